@@ -1,0 +1,1 @@
+"""The one definition of the robot: numbers, names, rates, units; builds the URDF and both MJCF models."""
