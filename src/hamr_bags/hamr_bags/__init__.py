@@ -1,0 +1,1 @@
+"""Excitation signals and bags: record, read, check, repair; excitation and recorder nodes."""

@@ -1,0 +1,1 @@
+"""Launch files, parameters, demo and the hamr command."""

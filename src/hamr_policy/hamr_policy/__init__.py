@@ -1,0 +1,1 @@
+"""Environments, rewards, PPO training, export and transfer figures of walking and turning policies; policy node."""

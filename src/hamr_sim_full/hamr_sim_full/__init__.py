@@ -1,0 +1,1 @@
+"""HAMR-full: four spherical five-bar transmissions with piezo actuators; the compiled kernel and the MuJoCo model."""

@@ -1,0 +1,1 @@
+"""HAMR-simple and the residual model learned from bags; simulator node."""
