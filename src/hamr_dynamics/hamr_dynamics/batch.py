@@ -1,0 +1,249 @@
+"""BatchSim: many robots of one plant, stepped in compiled blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hamr_description.errors import ConfigError
+from hamr_description.names import JOINTS, LEGS, drive_sign, joint_signs
+from hamr_description.numbers import leg_value, value
+from hamr_description.rates import SUBSTEPS
+
+from . import kernels, stages
+from .plant import Plant, flatten
+from .plant import plant as find_plant
+
+BLOCK = {"float64": 16, "float32": 32}  # robots whose lanes fill vectors and whose rows still fit the cache
+ENVIRONMENTS = ("ground", "suspended")
+SIGN = np.array([s for leg in LEGS for s in joint_signs(leg)], float)  # (8,) joint angle -> leg frame
+DRIVE_SIGN = np.array([drive_sign(leg) for leg in LEGS for _ in (0, 1)], float)  # (8,) volts -> leg frame
+
+
+class BatchSim:
+    """N independent robots of one plant, in inside units (g, mm, ms, N, V, rad), joints in canonical order.
+
+    Args:
+        plant: name of a backend, or a `Plant`.
+        n: number of robots.
+        environment: "ground" (floating base on flat ground) or "suspended" (chassis held level).
+        friction: Coulomb coefficient of all feet, or (n,); default numbers.yaml `contact.friction`.
+        gravity: mm/ms^2; default numbers.yaml `robot.gravity`.
+        dtype: np.float64 or np.float32.
+        block: robots per compiled block; 1 is the one-robot kernel behind the ROS nodes.
+
+    Attributes:
+        counts: substeps that each joint's end stops pushed, (n, 8).
+    """
+
+    def __init__(
+        self, plant: str | Plant, n: int = 1, *, environment: str = "ground", friction=None, gravity: float | None = None,
+        dtype=np.float64, block: int | None = None,
+    ) -> None:  # fmt: skip
+        if environment not in ENVIRONMENTS:
+            raise ConfigError(f"Unknown environment '{environment}': known are {', '.join(ENVIRONMENTS)}.")
+        self.plant = find_plant(plant) if isinstance(plant, str) else plant
+        self.n, self.environment, self.dtype = n, environment, np.dtype(dtype)
+        self.block = block or (1 if n == 1 else BLOCK[self.dtype.name])
+        self._module = kernels.load(self.plant, environment, self.block, self.dtype.name)
+        self._blocks = -(-n // self.block)
+        self.parameter_names = stages.parameter_rows(self.plant)
+        self._state = self._zeros(stages.STATE, 4)
+        self._target = self._zeros(stages.TARGET, 4)
+        self._param = self._zeros(self.parameter_names, 4)
+        self._base = self._zeros(stages.BASE, 1)
+        self._body = self._zeros(stages.BODY, 1)
+        self._seen = self._zeros(stages.SEEN, 4)
+        network = self.plant.network
+        self._weights = np.zeros(1, self.dtype) if network is None else network.weights(self.dtype)
+        self._fill_parameters(friction, value("robot.gravity") if gravity is None else gravity)
+        self.set_gains(value("controller.kp"), value("controller.kd"))
+        self.reset()
+
+    def _zeros(self, names, lanes_per_robot: int) -> np.ndarray:
+        return np.zeros((self._blocks, len(names) * lanes_per_robot * self.block), self.dtype)
+
+    # --- views: (blocks, rows, legs, robots) -----------------------------------------------------------------------------
+    def _legs(self, array: np.ndarray, names, name: str) -> np.ndarray:
+        """Rows of a leg-lane array as (n, 8) copy-free view is impossible across blocks: (blocks, 2, 4, robots)."""
+        i = names.index(f"{name}.0")
+        return array.reshape(self._blocks, len(names), 4, self.block)[:, i : i + 2]
+
+    def _get8(self, array, names, name: str, sign=1.0) -> np.ndarray:
+        x = self._legs(array, names, name).transpose(0, 3, 2, 1).reshape(-1, 8)[: self.n]
+        return x * np.asarray(sign, self.dtype)
+
+    def _set8(self, array, names, name: str, x, mask=None) -> None:
+        view = self._legs(array, names, name).transpose(0, 3, 2, 1)  # blocks, robots, legs, 2
+        full = view.reshape(-1, 8)
+        chosen = slice(0, self.n) if mask is None else np.flatnonzero(mask)
+        full[chosen] = x
+        view[...] = full.reshape(view.shape)
+
+    def _get(self, array, names, name: str, size: int) -> np.ndarray:
+        i = names.index(f"{name}.0" if size > 1 else name)
+        return array.reshape(self._blocks, len(names), self.block)[:, i : i + size].transpose(0, 2, 1).reshape(-1, size)[: self.n]
+
+    def _set(self, array, names, name: str, size: int, x, mask=None) -> None:
+        i = names.index(f"{name}.0" if size > 1 else name)
+        view = array.reshape(self._blocks, len(names), self.block)[:, i : i + size].transpose(0, 2, 1)
+        full = view.reshape(-1, size)
+        chosen = slice(0, self.n) if mask is None else np.flatnonzero(mask)
+        full[chosen] = x
+        view[...] = full.reshape(view.shape)
+
+    # --- parameters ------------------------------------------------------------------------------------------------------
+    def _fill_parameters(self, friction, gravity: float) -> None:
+        view = self._param.reshape(self._blocks, len(self.parameter_names), 4, self.block)
+        flat = [flatten(self.plant.parameters(leg)) for leg in LEGS]
+        ground = {
+            "friction": value("contact.friction"), "contact_stiffness": value("contact.stiffness"),
+            "contact_damping": value("contact.damping"), "slip_speed": value("contact.slip_speed"), "gravity": gravity,
+        }  # fmt: skip
+        for row, name in enumerate(self.parameter_names):
+            for i in range(4):
+                view[:, row, i] = ground[name] if name in ground else flat[i][name]
+        if friction is not None:
+            self.set_parameter("friction", np.broadcast_to(np.asarray(friction, float), (self.n,))[:, None])
+        body = self._body.reshape(self._blocks, len(stages.BODY), self.block)
+        chassis = [self.plant.chassis["mass"], *self.plant.chassis["com"], *self.plant.chassis["inertia"], gravity]
+        body[:] = np.array(chassis)[None, :, None]
+
+    def parameter(self, name: str) -> np.ndarray:
+        """A lane parameter as (n, 4), legs in order; names in `parameter_names`."""
+        row = self._parameter_row(name)
+        return self._param.reshape(self._blocks, -1, 4, self.block)[:, row].transpose(0, 2, 1).reshape(-1, 4)[: self.n].copy()
+
+    def set_parameter(self, name: str, x) -> None:
+        """Sets a lane parameter; x broadcasts to (n, 4)."""
+        row = self._parameter_row(name)
+        view = self._param.reshape(self._blocks, -1, 4, self.block)[:, row].transpose(0, 2, 1)
+        full = view.reshape(-1, 4)
+        full[: self.n] = x
+        full[self.n :] = full[0]
+        view[...] = full.reshape(view.shape)
+
+    def _parameter_row(self, name: str) -> int:
+        if name not in self.parameter_names:
+            raise ConfigError(f"'{name}' is no lane parameter of '{self.plant.name}': known are {', '.join(self.parameter_names)}.")
+        return self.parameter_names.index(name)
+
+    def set_gains(self, kp, kd) -> None:
+        """Gains of the leg law: V/rad and V ms/rad, scalars or (8,) or (n, 8)."""
+        self._set8(self._target, stages.TARGET, "kp", np.broadcast_to(kp, (self.n, 8)))
+        self._set8(self._target, stages.TARGET, "kd", np.broadcast_to(kd, (self.n, 8)))
+
+    # --- state -----------------------------------------------------------------------------------------------------------
+    def reset(self, mask=None) -> None:
+        """Stand at rest, feet just touching the ground; all robots, or those of an (n,) mask."""
+        height = -(leg_value("fl", "hip")[2] + neutral_foot_drop())
+        self.set_state(
+            q=0.0, qd=0.0, position=(0.0, 0.0, height), quaternion=(1.0, 0.0, 0.0, 0.0), velocity=0.0, angular_velocity=0.0, mask=mask
+        )
+
+    def set_state(self, *, q=None, qd=None, position=None, quaternion=None, velocity=None, angular_velocity=None, mask=None) -> None:
+        """Sets parts of the state (shapes and units as the attributes); forgets the last accelerations."""
+        for name, x in (("q", q), ("v", qd)):
+            if x is not None:
+                self._set8(self._state, stages.STATE, name, np.asarray(x) * SIGN, mask)
+        bases = {"position": position, "quaternion": quaternion, "velocity": velocity, "omega": angular_velocity}
+        for name, x in bases.items():
+            if x is not None:
+                self._set(self._base, stages.BASE, name, 4 if name == "quaternion" else 3, x, mask)
+        self._set8(self._state, stages.STATE, "a", 0.0, mask)
+        self._set(self._base, stages.BASE, "alpha", 3, 0.0, mask)
+
+    @property
+    def q(self) -> np.ndarray:
+        """(n, 8) hip angles, rad."""
+        return self._get8(self._state, stages.STATE, "q", SIGN)
+
+    @property
+    def qd(self) -> np.ndarray:
+        """(n, 8) hip rates, rad/ms."""
+        return self._get8(self._state, stages.STATE, "v", SIGN)
+
+    @property
+    def qdd(self) -> np.ndarray:
+        """(n, 8) hip accelerations over the last substep, rad/ms^2."""
+        return self._get8(self._state, stages.STATE, "a", SIGN)
+
+    @property
+    def counts(self) -> np.ndarray:
+        """(n, 8) substeps in which an end stop pushed, since construction."""
+        return self._get8(self._state, stages.STATE, "stops")
+
+    @property
+    def position(self) -> np.ndarray:
+        """(n, 3) origin of the chassis frame in the world, mm."""
+        return self._get(self._base, stages.BASE, "position", 3)
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """(n, 4) chassis orientation, wxyz."""
+        return self._get(self._base, stages.BASE, "quaternion", 4)
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(n, 3) velocity of the chassis frame's origin, world axes, mm/ms."""
+        return self._get(self._base, stages.BASE, "velocity", 3)
+
+    @property
+    def angular_velocity(self) -> np.ndarray:
+        """(n, 3) angular velocity of the chassis in its own axes, rad/ms."""
+        return self._get(self._base, stages.BASE, "omega", 3)
+
+    @property
+    def finite(self) -> np.ndarray:
+        """(n,) whether a robot's state is finite."""
+        legs = np.isfinite(self._get8(self._state, stages.STATE, "q") + self._get8(self._state, stages.STATE, "v")).all(1)
+        return legs & np.isfinite(self.position).all(1) & np.isfinite(self.quaternion).all(1)
+
+    # --- stepping --------------------------------------------------------------------------------------------------------
+    def step_targets(self, targets, *, steps: int = SUBSTEPS, record: bool = False) -> dict[str, np.ndarray] | None:
+        """Runs the leg law at 20 kHz towards targets (n, 8) rad for `steps` substeps.
+
+        With `record`, returns the state before each substep and the voltage held over it: q, qd (n, steps, 8) rad, rad/ms, volts V.
+        """
+        self._set8(self._target, stages.TARGET, "target", np.asarray(targets) * SIGN)
+        return self._advance(steps, True, np.zeros((self._blocks, 1, 2 * 4 * self.block), self.dtype), record)
+
+    def step_voltages(self, volts, *, record: bool = False) -> dict[str, np.ndarray] | None:
+        """Holds each of volts (n, k, 8) V for one substep; `record` as in `step_targets`."""
+        volts = np.asarray(volts, float)
+        if volts.shape[0] != self.n or volts.shape[2:] != (8,):
+            raise ConfigError(f"Voltages must have shape ({self.n}, k, 8), not {volts.shape}: one row per robot and substep.")
+        steps = volts.shape[1]
+        drive = np.zeros((self._blocks * self.block, steps, 4, 2), self.dtype)
+        drive[: self.n] = ((volts - value("actuator.neutral_voltage")) * DRIVE_SIGN).reshape(self.n, steps, 4, 2)
+        lanes = drive.reshape(self._blocks, self.block, steps, 4, 2).transpose(0, 2, 4, 3, 1)
+        return self._advance(steps, False, np.ascontiguousarray(lanes).reshape(self._blocks, steps, -1), record)
+
+    def _advance(self, steps: int, servoed: bool, drive: np.ndarray, record: bool) -> dict[str, np.ndarray] | None:
+        kept = np.empty((self._blocks, steps if record else 0, 6 * 4 * self.block), self.dtype)
+        self._module.advance(
+            steps, servoed, self._state, drive, self._target, self._param, self._base, self._body, self._weights, kept
+        )
+        if not record:
+            return None
+        rows = kept.reshape(self._blocks, steps, 3, 2, 4, self.block).transpose(2, 0, 5, 1, 4, 3).reshape(3, -1, steps, 8)[:, : self.n]
+        return {"q": rows[0] * SIGN, "qd": rows[1] * SIGN, "volts": rows[2] * DRIVE_SIGN + value("actuator.neutral_voltage")}
+
+    def observe(self, volts) -> Mapping[str, np.ndarray]:
+        """Actuator tips mm, tip rates mm/ms, tip forces N (along +y of the chassis) and hip torques N mm of the drive, (n, 8) each, at volts (n, 8)."""
+        drive = np.zeros_like(self._state[:, : 2 * 4 * self.block])
+        self._set8(drive, stages.DRIVE, "drive", (np.asarray(volts, float) - value("actuator.neutral_voltage")) * DRIVE_SIGN)
+        self._module.look(self._state, drive, self._param, self._weights, self._seen)
+        along_y = np.array([joint_signs(leg)[1] for leg in LEGS for _ in (0, 1)], float)
+        signs = {"tip": along_y, "tip_rate": along_y, "tip_force": along_y, "torque": SIGN}
+        return {name: self._get8(self._seen, stages.SEEN, name, sign) for name, sign in signs.items()}
+
+
+def neutral_foot_drop() -> float:
+    """Height of the foot relative to the hip at q = 0, mm (negative)."""
+    z = sum(leg_value("fl", f"origins.{name}")[2] for name in ("lift_slider", "l1", "l2", "fb3"))
+    return float(z + leg_value("fl", "foot_in_L4")[2] - leg_value("fl", "hip")[2])
+
+
+__all__ = ["ENVIRONMENTS", "JOINTS", "BatchSim", "neutral_foot_drop"]

@@ -1,0 +1,265 @@
+"""The traced stages of a plant: `step` fed with named rows. Row names are the layout of every array that the kernels touch.
+
+Arrays (rows x lanes; leg lanes are leg-major: lane = leg * robots + robot, in the order of names.LEGS):
+    state  leg lanes    q v a, stop counts
+    drive  leg lanes    voltage minus neutral in the leg frame, or hip torque from a network
+    param  leg lanes    what differs between lanes
+    base   robot lanes  chassis state;   body  robot lanes  chassis parameters
+"""
+
+from __future__ import annotations
+
+from hamr_description.names import LEGS, MIRROR
+
+from . import scalar, vec
+from .contact import Contact
+from .emit import Stage
+from .plant import Plant, flatten, unflatten
+from .step import (
+    ROW6,
+    BaseState,
+    LegState,
+    Reach,
+    apply_ground,
+    base_ahead,
+    chassis_terms,
+    finish,
+    finish_base,
+    ground_force,
+    leg_increment,
+    reach_leg,
+    solve6,
+    step_suspended,
+)
+
+
+def rows(**sizes: int) -> tuple[str, ...]:
+    """Row names: rows(q=2, h=1) -> q.0 q.1 h."""
+    return tuple(f"{name}.{i}" if n > 1 else name for name, n in sizes.items() for i in range(n))
+
+
+STATE = rows(q=2, v=2, a=2, stops=2)
+DRIVE = rows(drive=2)
+TARGET = rows(target=2, kp=2, kd=2)
+BASE = rows(position=3, quaternion=4, velocity=3, omega=3, alpha=3)
+BODY = rows(mass=1, com=3, inertia=6, gravity=1)
+GROUND = ("friction", "contact_stiffness", "contact_damping", "slip_speed")
+ENVIRONMENT = (*GROUND, "gravity")
+POSE = rows(quaternion=4, rows=9, omega_mid=3)
+NEAR = rows(omega=3, omega_mid=3, velocity=3, normal=3, height=1)
+INCREMENT = rows(increment=6)
+SEEN = rows(tip=2, tip_rate=2, tip_force=2, torque=2)
+REACH = rows(
+    soft_matrix=21, soft_rhs=6, free_matrix=21, free_rhs=6, soft_gain=12, free_gain=12, soft_own=2, free_own=2, solve=3,
+    jacobian=6, point=3, contact=6, stop=2,
+)  # fmt: skip
+GROUNDED = rows(rhs=6, own=2, force=3)
+
+
+def by_leg(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Rows of a leg-lane array as a robot lane sees them: row-major, legs inside (name.i of fl rl fr rr)."""
+    return tuple(f"{leg}.{name}" for name in names for leg in LEGS)
+
+
+AFTER = BASE + by_leg(INCREMENT)
+
+
+def parameter_rows(plant: Plant) -> tuple[str, ...]:
+    """Leg parameters that vary by lane: tunable ones, and whatever differs between the legs."""
+    legs = [flatten(plant.parameters(leg)) for leg in LEGS]
+    different = [k for k in legs[0] if k.split(".")[0] in plant.tunable or len({leg[k] for leg in legs}) > 1]
+    return (*different, *ENVIRONMENT)
+
+
+def _parameters(stage: Stage, plant: Plant) -> dict:
+    like = plant.parameters(LEGS[0])
+    flat = {k: stage.read("param", k) if k in stage.inputs["param"] else x for k, x in flatten(like).items()}
+    return unflatten(flat, like)
+
+
+def _state(stage: Stage) -> LegState:
+    return LegState(*(stage.reads("state", name, 2) for name in "qva"))
+
+
+def _write_state(stage: Stage, state: LegState, stops) -> None:
+    for name in "qva":
+        stage.write("new_state", name, getattr(state, name))
+    stage.write("new_state", "stops", tuple(n + s for n, s in zip(stage.reads("state", "stops", 2), stops, strict=True)))
+
+
+def suspended(plant: Plant, h: float) -> Stage:
+    """A whole step of a leg on a fixed chassis."""
+    stage = Stage("suspended", {"state": STATE, "drive": DRIVE, "param": parameter_rows(plant)}, {"new_state": STATE})
+    state, leg = step_suspended(
+        plant.leg, _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), stage.read("param", "gravity"), h
+    )
+    _write_state(stage, state, leg.stop)
+    return stage
+
+
+def servo(limit: float) -> Stage:
+    """The leg law in the leg frame: drive = clip(kp (target - q) - kd v)."""
+    stage = Stage("servo", {"state": STATE, "target": TARGET}, {"drive": DRIVE})
+    q, v = stage.reads("state", "q", 2), stage.reads("state", "v", 2)
+    target, kp, kd = (stage.reads("target", name, 2) for name in ("target", "kp", "kd"))
+    law = (scalar.clip(kp[i] * (target[i] - q[i]) - kd[i] * v[i], -limit, limit) for i in (0, 1))
+    stage.write("drive", "drive", tuple(law))
+    return stage
+
+
+def observe(plant: Plant) -> Stage:
+    """What only a simulator knows of a leg: actuator tips, their rates and forces, and the drive's hip torque."""
+    stage = Stage("observe", {"state": STATE, "drive": DRIVE, "param": parameter_rows(plant)}, {"seen": SEEN})
+    state = _state(stage)
+    leg = plant.leg(state.q, state.v, stage.reads("drive", "drive", 2), _parameters(stage, plant))
+    stage.write("seen", "tip", tuple(t.value for t in leg.tips))
+    stage.write("seen", "tip_rate", tuple(t.rate(state.v) for t in leg.tips))
+    stage.write("seen", "tip_force", tuple(leg.tip_force))
+    stage.write("seen", "torque", tuple(leg.torque))
+    return stage
+
+
+def _base_state(stage: Stage) -> BaseState:
+    sizes = {"position": 3, "quaternion": 4, "velocity": 3, "omega": 3, "alpha": 3}
+    return BaseState(*(stage.reads("base", name, n) for name, n in sizes.items()))
+
+
+def predict(h: float) -> Stage:
+    """Base half a step ahead."""
+    stage = Stage("predict", {"base": BASE}, {"pose": POSE, "near": by_leg(NEAR)})
+    state = _base_state(stage)
+    quaternion, matrix, height, velocity, omega_mid = base_ahead(state, h)
+    stage.write("pose", "quaternion", quaternion)
+    stage.write("pose", "rows", tuple(x for row in matrix for x in row))
+    stage.write("pose", "omega_mid", omega_mid)
+    for leg in LEGS:  # the same in each leg's mirrored frame
+        for name, vector in (("omega", state.omega), ("omega_mid", omega_mid)):
+            stage.write("near", f"{leg}.{name}", mirror_spin(leg, vector))
+        for name, vector in (("velocity", velocity), ("normal", matrix[2])):
+            stage.write("near", f"{leg}.{name}", mirror(leg, vector))
+        stage.write("near", f"{leg}.height", height)
+    return stage
+
+
+def mirror(leg: str, v) -> tuple:
+    """A vector between chassis axes and the leg frame."""
+    sx, sy = MIRROR[leg]
+    return v[0] * float(sx), v[1] * float(sy), v[2]
+
+
+def mirror_spin(leg: str, v) -> tuple:
+    """A pseudovector between chassis axes and the leg frame."""
+    sx, sy = MIRROR[leg]
+    return v[0] * float(sy), v[1] * float(sx), v[2] * float(sx * sy)
+
+
+def reach(plant: Plant, h: float) -> Stage:
+    """Eliminates a leg."""
+    stage = Stage("reach", {"state": STATE, "drive": DRIVE, "param": parameter_rows(plant), "near": NEAR}, {"reach": REACH})
+    base = {name: stage.reads("near", name, 3) for name in ("omega", "omega_mid", "velocity", "normal")}
+    base |= {"height": stage.read("near", "height"), "gravity": stage.read("param", "gravity")}
+    ground = {name.removeprefix("contact_"): stage.read("param", name) for name in GROUND}
+    r = reach_leg(plant.leg, _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), base, ground, h)
+    stage.write("reach", "soft_matrix", r.soft_matrix)
+    stage.write("reach", "soft_rhs", r.soft_rhs)
+    stage.write("reach", "free_matrix", r.free_matrix)
+    stage.write("reach", "free_rhs", r.free_rhs)
+    for name in ("soft_gain", "free_gain"):
+        stage.write("reach", name, tuple(x for row in getattr(r, name) for x in row))
+    stage.write("reach", "soft_own", r.soft_own)
+    stage.write("reach", "free_own", r.free_own)
+    stage.write("reach", "solve", r.solve)
+    stage.write("reach", "jacobian", tuple(x for column in r.jacobian for x in column))
+    stage.write("reach", "point", r.point)
+    stage.write("reach", "contact", (r.contact.push, r.contact.grip, r.contact.slip, *r.contact.velocity))
+    stage.write("reach", "stop", r.stop)
+    return stage
+
+
+def _read_reach(stage: Stage) -> Reach:
+    def gain(name):
+        flat = stage.reads("reach", name, 12)
+        return flat[:6], flat[6:]
+
+    jacobian = stage.reads("reach", "jacobian", 6)
+    push, grip, slip, *velocity = stage.reads("reach", "contact", 6)
+    contact = Contact(stage.reads("near", "normal", 3), push, grip, slip, tuple(velocity))
+    return Reach(
+        (), (), gain("soft_gain"), stage.reads("reach", "soft_own", 2), (), (), gain("free_gain"),
+        stage.reads("reach", "free_own", 2), stage.reads("reach", "solve", 3), (jacobian[:3], jacobian[3:]),
+        stage.reads("reach", "point", 3), contact, stage.reads("reach", "stop", 2),
+    )  # fmt: skip
+
+
+def _sum_legs(stage: Stage, array: str, name: str, n: int) -> tuple:
+    """Sum over the legs of (n,) rows given in leg frames: a 6-vector or the lower triangle of a 6 x 6."""
+    total = (0.0,) * n
+    for leg in LEGS:
+        signs = [*mirror_spin(leg, (1.0, 1.0, 1.0)), *mirror(leg, (1.0, 1.0, 1.0))]
+        weights = signs if n == 6 else [signs[i] * signs[j] for i, j in ROW6]
+        values = stage.reads(array, f"{leg}.{name}", n)
+        total = vec.add(total, tuple(w * x for w, x in zip(weights, values, strict=True)))
+    return total
+
+
+def _balance(stage: Stage, kind: str, h: float) -> tuple:
+    """Base equations, solved."""
+    omega_mid, matrix = stage.reads("pose", "omega_mid", 3), stage.reads("pose", "rows", 9)
+    lift = vec.scale(matrix[6:9], stage.read("body", "gravity"))
+    chassis, rhs = chassis_terms(stage.read("body", "mass"), stage.reads("body", "com", 3), stage.reads("body", "inertia", 6), omega_mid, lift, h)
+    total = vec.add(chassis, _sum_legs(stage, "reach", f"{kind}_matrix", 21))
+    rhs = vec.add(rhs, _sum_legs(stage, "reach", f"{kind}_rhs", 6))
+    if kind == "free":
+        rhs = vec.add(rhs, _sum_legs(stage, "grounded", "rhs", 6))
+    return solve6(total, rhs)
+
+
+def _write_increment(stage: Stage, array: str, increment) -> None:
+    for leg in LEGS:
+        stage.write(array, f"{leg}.increment", mirror_spin(leg, increment[:3]) + mirror(leg, increment[3:]))
+
+
+def balance_soft(h: float) -> Stage:
+    """First base solve, contact on the left-hand side."""
+    stage = Stage("balance_soft", {"pose": POSE, "body": BODY, "reach": by_leg(REACH)}, {"soft": by_leg(INCREMENT)})
+    _write_increment(stage, "soft", _balance(stage, "soft", h))
+    return stage
+
+
+def grounded(plant: Plant, h: float) -> Stage:
+    """What the ground really gives each foot."""
+    inputs = {"param": parameter_rows(plant), "near": NEAR, "reach": REACH, "soft": INCREMENT}
+    stage = Stage("grounded", inputs, {"grounded": GROUNDED})
+    increment = stage.reads("soft", "increment", 6)
+    r = _read_reach(stage)
+    force = ground_force(r, increment, leg_increment(r.soft_own, r.soft_gain, increment), stage.read("param", "friction"))
+    rhs, own = apply_ground(r, force, h)
+    stage.write("grounded", "rhs", rhs)
+    stage.write("grounded", "own", own)
+    stage.write("grounded", "force", force)
+    return stage
+
+
+def balance_free(h: float) -> Stage:
+    """Second base solve with the ground's forces; writes the new base, then the increment for each leg."""
+    inputs = {"base": BASE, "pose": POSE, "body": BODY, "reach": by_leg(REACH), "grounded": by_leg(GROUNDED)}
+    # one output array, so that few enough pairs of arrays must be told apart for LLVM to make vectors
+    stage = Stage("balance_free", inputs, {"after": AFTER})
+    increment = _balance(stage, "free", h)
+    flat = stage.reads("pose", "rows", 9)
+    new = finish_base(_base_state(stage), stage.reads("pose", "quaternion", 4), (flat[:3], flat[3:6], flat[6:]), increment, h)
+    for name in ("position", "quaternion", "velocity", "omega", "alpha"):
+        stage.write("after", name, getattr(new, name))
+    _write_increment(stage, "after", increment)
+    return stage
+
+
+def finish_legs(h: float) -> Stage:
+    """New leg states from the base's final increment."""
+    stage = Stage("finish_legs", {"state": STATE, "reach": REACH, "grounded": GROUNDED, "free": INCREMENT}, {"new_state": STATE})
+    r = Reach((), (), (), (), (), (), (stage.reads("reach", "free_gain", 12)[:6], stage.reads("reach", "free_gain", 12)[6:]),
+              stage.reads("reach", "free_own", 2), (), (), (), None, stage.reads("reach", "stop", 2))  # fmt: skip
+    own = vec.add(r.free_own, stage.reads("grounded", "own", 2))
+    new = finish(_state(stage), leg_increment(own, r.free_gain, stage.reads("free", "increment", 6)), h)
+    _write_state(stage, new, r.stop)
+    return stage
