@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 
-import numpy as np
-
 from . import mirror
-from .mjcf_scene import add_capsule, add_foot, add_inertial, add_keyframes, control_range, neutral_foot, new, published_inertial
-from .names import AXES, JOINTS, LEGS, MIRROR, torque_sign
+from .mjcf_looks import add_capsule
+from .mjcf_scene import add_foot, add_inertial, add_keyframes, control_range, new, published_inertial
+from .names import AXES, JOINTS, LEGS, MIRROR, drive_sign, torque_sign
 from .numbers import leg_value, value
+from .posture import neutral_foot
 from .xml_tree import document, element
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -27,7 +28,7 @@ def simple(parameters: Mapping, *, environment: str = "ground", friction: float 
     """
     scene = new("hamr_simple", chassis=parameters["chassis"], environment=environment, gravity=gravity)
     for leg in LEGS:
-        constants = parameters[_end(leg)]
+        constants = parameters[mirror.end(leg)]
         hip = mirror.point(leg, leg_value(leg, "hip"))
         body = element(scene.base, "body", name=f"{leg}_leg", pos=hip)
         add_inertial(body, constants, leg)
@@ -39,47 +40,48 @@ def simple(parameters: Mapping, *, environment: str = "ground", friction: float 
         add_capsule(body, (0, foot[1], 0), foot, radius=0.4, colour="leg")
         add_foot(scene, body, leg, foot, environment=environment, friction=friction)
         for axis, torque in zip(AXES, constants["torque_per_volt"], strict=True):
-            _motor(scene.actuator, f"{leg}_{axis}", torque)
+            joint = f"{leg}_{axis}"
+            _motor(scene.actuator, joint, joint, torque_sign(joint) * torque)
     add_keyframes(scene, joints=len(JOINTS), environment=environment)
     return document(scene.root)
+
+
+def published_hinge(joint: str) -> str:
+    """The published fit's own hinge that the drive of `joint` turns; its angle is no hip angle."""
+    return f"{joint}_hinge"
 
 
 def simple_published(*, environment: str = "ground", friction: float | None = None, gravity: bool = True) -> str:
     """MJCF of the published lumped fit: at each hip a hinge about y (swing), an almost massless link, a hinge about x (lift).
 
-    Angles count from rest. The swing axis is +y on the left and -y on the right, so that a positive angle carries the foot the
-    same way as in the other models and names.torque_sign holds. Arguments as in mjcf_full.full.
+    Hinge angles count from rest; hamr_sim_full.mujoco_published reads them as hip angles. Arguments as in mjcf_full.full.
     """
     scene = new("hamr_simple_published", chassis=published_inertial("chassis"), environment=environment, gravity=gravity)
     springs = {axis: (value("simple_published.stiffness")[i], value("simple_published.damping")[i]) for i, axis in enumerate(AXES)}
     length, mass, inertia = (value(f"simple_published.{n}") for n in ("leg_length", "intermediate_mass", "intermediate_inertia"))
     for leg in LEGS:
-        side = MIRROR[leg][1]
-        half = side * value("simple_published.rest_lift") / 2
+        sx, sy = MIRROR[leg]
+        half = sy * value("simple_published.rest_lift") / 2
         yoke = element(scene.base, "body", name=f"{leg}_yoke", pos=mirror.point(leg, value("simple_published.hip")))
         add_inertial(yoke, {"mass": mass, "com": (0, 0, 0), "inertia": (inertia, inertia, inertia, 0, 0, 0)})
-        _hinge(yoke, f"{leg}_swing", np.multiply(side, Y), *springs["swing"])
-        body = element(yoke, "body", name=f"{leg}_leg", quat=(np.cos(half), np.sin(half), 0, 0))
-        add_inertial(body, published_inertial(f"simple_published.{_end(leg)}"), leg)
-        _hinge(body, f"{leg}_lift", X, *springs["lift"])
+        _hinge(yoke, published_hinge(f"{leg}_swing"), Y, *springs["swing"])
+        body = element(yoke, "body", name=f"{leg}_leg", quat=(math.cos(half), math.sin(half), 0, 0))
+        add_inertial(body, published_inertial(f"simple_published.{mirror.end(leg)}"), leg)
+        _hinge(body, published_hinge(f"{leg}_lift"), X, *springs["lift"])
         add_capsule(body, (0, 0, 0), (0, 0, -length), radius=0.4, colour="leg")
         add_foot(scene, body, leg, (0, 0, -length), environment=environment, friction=friction)
-        for axis in AXES:
-            _motor(scene.actuator, f"{leg}_{axis}", value("simple_published.torque_per_volt"))
+        for axis, sign in zip(AXES, (sx, sy), strict=True):  # mirror signs of angles about y and x
+            joint = f"{leg}_{axis}"
+            _motor(scene.actuator, joint, published_hinge(joint), sign * drive_sign(leg) * value("simple_published.torque_per_volt"))
     add_keyframes(scene, joints=len(JOINTS), environment=environment)
     return document(scene.root)
-
-
-def _end(leg: str) -> str:
-    return "front" if leg.startswith("f") else "rear"
 
 
 def _hinge(body: ET.Element, name: str, axis, stiffness: float, damping: float) -> None:
     element(body, "joint", name=name, type="hinge", axis=axis, stiffness=stiffness, damping=damping)
 
 
-def _motor(actuator: ET.Element, joint: str, torque_per_volt: float) -> None:
-    """Hip torque linear in the drive voltage, zero at neutral."""
-    gain = torque_sign(joint) * torque_per_volt
-    element(actuator, "general", name=f"{joint}_actuator", joint=joint, ctrlrange=control_range(), gainprm=gain,
-            biastype="affine", biasprm=(-gain * value("actuator.neutral_voltage"), 0, 0))
+def _motor(actuator: ET.Element, joint: str, hinge: str, torque_per_volt: float) -> None:
+    """Torque on a hinge, linear in the drive voltage and zero at neutral."""
+    law = {"gainprm": torque_per_volt, "biastype": "affine", "biasprm": (-torque_per_volt * value("actuator.neutral_voltage"), 0, 0)}
+    element(actuator, "general", name=f"{joint}_actuator", joint=hinge, ctrlrange=control_range(), **law)

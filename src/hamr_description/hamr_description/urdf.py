@@ -8,11 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from . import mirror
-from .mjcf_scene import COLOURS, neutral_foot
+from .mjcf_looks import COLOURS
 from .names import AXES, BASE_FRAME, LEGS, joint_signs
 from .numbers import leg_value, value
+from .posture import neutral_foot
 from .rates import TARGET_MS
-from .simple_parameters import simple_parameters
+from .simple_constants import simple_constants
 from .units import length_to_si, rate_to_si, torque_to_si
 from .xml_tree import document, element
 
@@ -24,11 +25,11 @@ def build(parameters: Mapping | None = None) -> str:
     """URDF: base_link; per leg the lift joint about x at the hip, the swing joint about z, and the foot's frame.
 
     Args:
-        parameters: constants of HAMR-simple (simple_parameters.py); None takes the packaged ones.
+        parameters: constants of HAMR-simple (simple_constants.py); None takes the packaged ones.
 
     Limits are the end stops, the largest effort is that of full drive, the velocity limit crosses the range in one target period.
     """
-    parameters = simple_parameters() if parameters is None else parameters
+    parameters = simple_constants() if parameters is None else parameters
     robot = element(None, "robot", name="hamr")
     for name in ("hull", "leg", "foot"):
         element(element(robot, "material", name=name), "color", rgba=COLOURS[name])
@@ -38,7 +39,7 @@ def build(parameters: Mapping | None = None) -> str:
     length, width, _ = value("robot.chassis_size")
     _box(base, (0, 0, (low + high) / 2), (length, width, high - low), "hull")
     for leg in LEGS:
-        _leg(robot, leg, parameters["front" if leg.startswith("f") else "rear"])
+        _leg(robot, leg, parameters[mirror.end(leg)])
     return document(robot)
 
 
@@ -48,7 +49,9 @@ def _leg(robot: ET.Element, leg: str, constants: Mapping) -> None:
     element(robot, "link", name=f"{leg}_yoke")
     body = element(robot, "link", name=f"{leg}_leg")
     element(robot, "link", name=f"{leg}_foot")
-    _inertial(body, {"mass": constants["mass"], "com": mirror.point(leg, constants["com"]), "inertia": mirror.inertia(leg, constants["inertia"])})
+    _inertial(
+        body, {"mass": constants["mass"], "com": mirror.point(leg, constants["com"]), "inertia": mirror.inertia(leg, constants["inertia"])}
+    )
     thick = 2 * LEG_RADIUS
     _box(body, (0, foot[1] / 2, 0), (thick, abs(foot[1]), thick), "leg")
     _box(body, (0, foot[1], foot[2] / 2), (thick, thick, abs(foot[2])), "leg")
@@ -63,8 +66,14 @@ def _revolute(robot: ET.Element, leg: str, axis: str, direction, origin, links: 
     low, high = sorted(joint_signs(leg)[i] * constants[stop][i] for stop in ("stop_low", "stop_high"))
     joint = _joint(robot, f"{leg}_{axis}", "revolute", origin, links)
     element(joint, "axis", xyz=direction)
-    element(joint, "limit", lower=low, upper=high, velocity=rate_to_si((high - low) / TARGET_MS),
-            effort=torque_to_si(constants["torque_per_volt"][i] * value("actuator.neutral_voltage")))
+    element(
+        joint,
+        "limit",
+        lower=low,
+        upper=high,
+        velocity=rate_to_si((high - low) / TARGET_MS),
+        effort=torque_to_si(constants["torque_per_volt"][i] * value("actuator.neutral_voltage")),
+    )
 
 
 def _joint(robot: ET.Element, name: str, kind: str, origin, links: tuple[str, str]) -> ET.Element:

@@ -54,7 +54,9 @@ def bender() -> Bender:
         -6 * (taper - 1) * (-3 + 4 * r * (taper - 1) + 2 * taper)
         + 3 * (-2 + 2 * r * (taper - 1) + taper) ** 2 * math.log((2 - taper) / taper)
     )
-    rigidity = a("pzt_modulus") * pzt * (1.5 * core**2 + 3 * core * pzt + 2 * pzt**2) / 3 + a("core_modulus") * core**3 / 12  # N mm, per width
+    rigidity = (
+        a("pzt_modulus") * pzt * (1.5 * core**2 + 3 * core * pzt + 2 * pzt**2) / 3 + a("core_modulus") * core**3 / 12
+    )  # N mm, per width
     deflection = 0.25 * (1 + 2 * r) * free * pzt * length**2 * (rail / pzt) * (pzt + core) / rigidity
     per_f31 = 0.75 * width * (pzt + core) * geometry / length
     c0, c1 = per_f31 * blocked, per_f31 * (free - blocked) / deflection
