@@ -8,6 +8,7 @@ import inspect
 import os
 import sys
 import tempfile
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -64,15 +65,20 @@ def load(plant: Plant, environment: str, robots: int, dtype: str = "float64", h:
         h: step, ms.
     """
     limit = value("actuator.neutral_voltage")
-    name = f"{plant.name}_{environment}_{dtype}_{robots}_{_key(plant, environment, robots, dtype, h, limit)}"
+    label = f"{plant.name}_{environment}_{dtype}_{robots}"
+    return load_source(label, lambda: driver.source(plant, environment, robots, dtype, h, limit), plant, environment, robots, dtype, h, limit)
+
+
+def load_source(label: str, write: Callable[[], str], plant: Plant, *settings: object) -> ModuleType:
+    """The module whose text `write` gives, from the cache if plant, settings and the sources of the physics are unchanged."""
+    name = f"{label}_{_key(plant, *settings)}"
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
     if not path.exists():
-        text = driver.source(plant, environment, robots, dtype, h, limit)
         handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
         with os.fdopen(handle, "w") as file:
-            file.write(text)
+            file.write(write())
         os.replace(temporary, path)  # whole or not at all, also with two processes at once
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)

@@ -97,6 +97,17 @@ def suspended(plant: Plant, h: float) -> Stage:
     return stage
 
 
+def suspended_leg(plant: Plant, h: float) -> Stage:
+    """The same step without the stop counts: smooth rows only, for derivatives."""
+    stage = Stage("suspended", {"state": STATE[:6], "drive": DRIVE, "param": parameter_rows(plant)}, {"new_state": STATE[:6]})
+    state, _ = step_suspended(
+        plant.leg, _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), stage.read("param", "gravity"), h
+    )
+    for name in "qva":
+        stage.write("new_state", name, getattr(state, name))
+    return stage
+
+
 def servo(limit: float) -> Stage:
     """The leg law in the leg frame: drive = clip(kp (target - q) - kd v)."""
     stage = Stage("servo", {"state": STATE, "target": TARGET}, {"drive": DRIVE})
