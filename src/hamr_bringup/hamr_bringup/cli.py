@@ -1,0 +1,107 @@
+"""The `hamr` command: finds the command's module, reads its arguments, prints its result; what goes wrong becomes one sentence.
+
+A command is a module in commands/ whose docstring says what it does, with examples, and whose `Command` is a dataclass (or a union of
+dataclasses, for commands in two words) with `run() -> dict`. Standard output carries the result alone: a table, or with `--json` one
+JSON object; progress and logs, also those of child processes, go to standard error. The exit status is 0 only on success.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
+from types import ModuleType
+from typing import TextIO
+
+from hamr_description.errors import HamrError
+
+from .environment import prepare
+from .present import as_json_text, as_text
+
+COMMANDS = ("run", "render", "doctor")  # in the order of the help
+
+FAILED, USAGE, INTERRUPTED = 1, 2, 130
+AS_JSON = "--json"
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    prepare()
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(argv: list[str]) -> int:
+    """Run `hamr *argv` and return the exit status."""
+    if not argv or argv[0] in ("-h", "--help"):
+        (sys.stdout if argv else sys.stderr).write(overview())
+        return 0 if argv else USAGE
+    name, *rest = argv
+    if name not in COMMANDS:
+        near = get_close_matches(name, COMMANDS, n=1)
+        return _fail(f"there is no command '{name}'" + (f"; did you mean '{near[0]}'?" if near else "; hamr --help lists them."), USAGE)
+    try:
+        return _run(_module(name), name, rest)
+    except HamrError as error:
+        return _fail(f"{name}: {error}")
+    except OSError as error:
+        return _fail(f"{name}: {error.strerror or error}" + (f": '{error.filename}'." if error.filename else "."))
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("hamr_"):
+            raise
+        return _fail(f"{name}: the Python package '{error.name}' is not installed; hamr doctor says how to get it.")
+    except KeyboardInterrupt:
+        return _fail(f"{name}: interrupted.", INTERRUPTED)
+
+
+def overview() -> str:
+    """Help of `hamr` itself: one line a command."""
+    lines = [f"  {name:8} {_module(name).__doc__.splitlines()[0]}" for name in COMMANDS]
+    return "\n".join(["usage: hamr COMMAND [--json] ...", "", *lines, "", "hamr COMMAND --help shows options and examples.", ""])
+
+
+def _module(name: str) -> ModuleType:
+    return importlib.import_module(f".commands.{name}", __package__)
+
+
+def _run(module: ModuleType, name: str, argv: list[str]) -> int:
+    as_json = AS_JSON in argv
+    command = _parse(module, name, [word for word in argv if word != AS_JSON])
+    with _result_only() as out:
+        result = command.run()
+        out.write(as_json_text(result) if as_json else as_text(result))
+    return 0 if result.get("ok", True) else FAILED
+
+
+def _parse(module: ModuleType, name: str, argv: list[str]):
+    if hasattr(module.Command, "from_words"):  # passes words on that are not ours to read
+        return module.Command.from_words(argv)
+    import tyro
+
+    description = f"{module.__doc__}\nWith {AS_JSON}, standard output is one JSON object."
+    return tyro.cli(module.Command, prog=f"hamr {name}", description=description, args=argv)
+
+
+@contextmanager
+def _result_only() -> Iterator[TextIO]:
+    """Yield standard output for the result; all else that is written there meanwhile, by children too, goes to standard error."""
+    sys.stdout.flush()
+    with os.fdopen(os.dup(1), "w") as out:
+        os.dup2(2, 1)
+        try:
+            yield out
+        finally:
+            sys.stdout.flush()
+            out.flush()
+            os.dup2(out.fileno(), 1)
+
+
+def _fail(sentence: str, status: int = FAILED) -> int:
+    sys.stderr.write(f"hamr: {sentence}\n")
+    return status
+
+
+if __name__ == "__main__":
+    main()
