@@ -37,7 +37,7 @@ bench: $(READY)
 
 test: lint
 	@echo '== tests, on two cores'
-	@$(VENV)/bin/python -m pytest -q -n 2 --dist loadgroup
+	@$(VENV)/bin/python -m pytest -q -n 2 --dist loadfile
 
 lint: $(READY)
 	@echo '== style'

@@ -14,10 +14,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = sorted(manifest.parent.name for manifest in (ROOT / "src").glob("*/package.xml"))
 COLCON = shutil.which("colcon", path=os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"])))
 
-pytestmark = [
-    pytest.mark.skipif(COLCON is None, reason="colcon is not installed; the extra `ros` brings it"),
-    pytest.mark.xdist_group("colcon"),
-]
+pytestmark = pytest.mark.skipif(COLCON is None, reason="colcon is not installed; the extra `ros` brings it")
 
 
 @pytest.fixture(scope="module")
