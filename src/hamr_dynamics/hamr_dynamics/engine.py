@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numba
 import numpy as np
 
 from hamr_description import units
@@ -59,9 +60,8 @@ class KernelEngine:
         self._drive = np.zeros((1, 1, 8))  # rows (swing, lift) x legs
         self._leg_rows = self._drive[0, 0].reshape(2, 4).T  # (4, 2) view: canonical order
         self._sign, self._drive_sign = SIGN.reshape(4, 2), DRIVE_SIGN.reshape(4, 2)
-        self._y_sign = np.array([[joint_signs(leg)[1]] * 2 for leg in LEGS], float)
+        self._y_sign = np.array([float(joint_signs(leg)[1]) for leg in LEGS])
         self._state = self.sim._state[0].reshape(-1, 4)
-        self._seen = self.sim._seen[0].reshape(-1, 4)
         self._no_record = np.empty((1, 0, 24))
 
     def reset(self, seed: int = 0) -> None:
@@ -74,15 +74,7 @@ class KernelEngine:
         """Fills a servo sample; tip forces and torques belong to the voltage that was held last."""
         sim = self.sim
         sim._module.look(sim._state, self._drive[0], sim._param, sim._weights, sim._seen)
-        state, seen = self._state, self._seen
-        rows = sample.reshape(7, 4, 2)
-        rows[0] = state[0:2].T * self._sign
-        rows[1] = units.rate_to_si(state[2:4].T * self._sign)
-        rows[2] = units.length_to_si(seen[0:2].T * self._y_sign)
-        rows[3] = seen[2:4].T * self._y_sign  # mm/ms equal m/s
-        rows[4] = units.torque_to_si(seen[6:8].T * self._sign)
-        rows[5] = seen[4:6].T * self._y_sign
-        rows[6] = units.rate_to_si(units.rate_to_si(state[4:6].T * self._sign))
+        _fill(sample, sim._state[0], sim._seen[0], self._sign, self._y_sign)
 
     def substep(self, volts: np.ndarray) -> None:
         """One compiled step."""
@@ -103,6 +95,25 @@ class KernelEngine:
     def counters(self) -> dict[str, float]:
         """Stops hit (joint-substeps); the closed form has no constraint residual."""
         return {"stops_hit": float(self.sim.counts.sum()), "constraint_residual": 0.0, "finite": float(self.sim.finite[0])}
+
+
+_length, _rate, _torque = (numba.njit(f) for f in (units.length_to_si, units.rate_to_si, units.torque_to_si))
+
+
+@numba.njit(cache=True)
+def _fill(sample, state, seen, sign, y_sign):
+    """A servo sample from the one-robot kernel's rows (row r of leg i at 4 r + i)."""
+    for leg in range(4):
+        for axis in range(2):
+            joint = 2 * leg + axis
+            s, y = sign[leg, axis], y_sign[leg]
+            sample[0, joint] = state[4 * axis + leg] * s
+            sample[1, joint] = _rate(state[4 * (2 + axis) + leg] * s)
+            sample[2, joint] = _length(seen[4 * axis + leg] * y)
+            sample[3, joint] = seen[4 * (2 + axis) + leg] * y  # mm/ms equal m/s
+            sample[4, joint] = _torque(seen[4 * (6 + axis) + leg] * s)
+            sample[5, joint] = seen[4 * (4 + axis) + leg] * y
+            sample[6, joint] = _rate(_rate(state[4 * (4 + axis) + leg] * s))
 
 
 def rotate_inverse(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:

@@ -1,9 +1,9 @@
 """HAMR-simple's constants from HAMR-full's linear limit: `python -m hamr_sim_residual.derive` writes hamr_description/simple.yaml.
 
 HAMR-simple is a rigid leg on a universal joint (lift about x, then swing about z) that equals HAMR-full to first order:
-mass matrix, stiffness, damping, torque per volt and linear momentum at q = 0, total mass, centre of mass and inertia of the
-robot. The entries of the leg's inertia tensor that the mass matrix at q = 0 leaves open are fitted to HAMR-full's mass
-matrix over the static reach of the drive.
+mass matrix, stiffness, damping and torque per volt at q = 0, total mass, centre of mass and inertia of the robot. The
+entries of the leg's inertia tensor that the mass matrix at q = 0 leaves open are fitted to HAMR-full's mass matrix over the
+static reach of the drive; its centre of mass is the one nearest to HAMR-full's linear momentum that a rigid body can have.
 """
 
 from __future__ import annotations
@@ -45,6 +45,26 @@ def fit_tensor(p: dict) -> tuple[float, ...]:
     return ixx, iyy, izz, ixy, ixz, iyz
 
 
+def rigid_moment(tensor, moment: np.ndarray, mass: float) -> np.ndarray:
+    """The first mass moment (3,) nearest to `moment` that a rigid body with this mass and tensor about the origin can have.
+
+    A mass distribution exists if its second moments S = tr(I)/2 - I exceed those of its centre: moment . S^-1 moment <= mass
+    (Wensing, Kim, Slotine 2018). A tenth is kept for extent about the centre.
+    """
+    xx, yy, zz, xy, xz, yz = tensor
+    matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    size, axes = np.linalg.eigh(0.5 * np.trace(matrix) * np.eye(3) - matrix)
+    along = axes.T @ moment
+
+    def shrunk(weight: float) -> np.ndarray:
+        return along / (1.0 + weight / size)
+
+    def excess(weight: float) -> float:
+        return float(np.sum(shrunk(weight) ** 2 / size) - 0.9 * mass)
+
+    return moment if excess(0.0) <= 0 else axes @ shrunk(brentq(excess, 0.0, 1e3))
+
+
 def leg_constants(leg: str) -> dict:
     """Constants of one leg in the front-left frame (units of numbers.yaml; shape as in hamr_description/simple.yaml)."""
     p = leg_parameters(leg)
@@ -52,8 +72,9 @@ def leg_constants(leg: str) -> dict:
     whole = _inertia(ZERO2, p)
     swing, lift = (column[3:] for column in whole.coupling)
     moment = np.array([swing[1], (lift[2] - swing[0]) / 2, -lift[1]])  # mass times centre, from momentum per rate
-    com = moment / whole.mass
-    about_com = np.array(fit_tensor(p)) - np.array(vec.point_inertia(whole.mass, com))
+    tensor = fit_tensor(p)
+    com = rigid_moment(tensor, moment, whole.mass) / whole.mass
+    about_com = np.array(tensor) - np.array(vec.point_inertia(whole.mass, com))
     ratio = np.array([state.tips[i].d[i] for i in (0, 1)])
 
     def stop(side: float) -> list[float]:
