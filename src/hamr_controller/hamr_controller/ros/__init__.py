@@ -1,0 +1,1 @@
+"""What the nodes share: QoS table, parameters, process frame, diagnostics, the simulator node and the driver's loop."""

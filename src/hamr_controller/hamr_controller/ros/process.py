@@ -1,0 +1,110 @@
+"""The frame of every node process: signals, start, one-sentence failures, orderly end."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Protocol, TypeVar
+
+import rclpy
+from rclpy.exceptions import ROSInterruptException
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from hamr_description.errors import ConfigError, HamrError
+
+from . import parameters
+
+P = TypeVar("P")
+
+
+class Runnable(Protocol):
+    def run(self) -> None: ...
+
+
+SLICE_S = 0.05  # longest stay in the executor; a signal is noticed after it
+_PR_SET_TIMERSLACK = 29
+
+
+class Spinner:
+    """Runs the callbacks of a process's nodes, and knows when it is time to stop.
+
+    The process has one thread of its own: callbacks run inside `once` and nowhere else.
+    """
+
+    def __init__(self, executor: Executor):
+        self._executor = executor
+        self.stopping = False
+
+    def once(self, seconds: float = 0.0) -> None:
+        """Run what is due; wait up to so many s (at most SLICE_S) for the first."""
+        # Without a limit this executor of rclpy 7.1.6 spins forever, runs nothing and ignores signals.
+        self._executor.spin_once(timeout_sec=min(seconds, SLICE_S))
+
+    def add(self, node: Node) -> None:
+        """Run a node's callbacks too."""
+        self._executor.add_node(node)
+
+    def stop(self, *_: object) -> None:
+        """Signal handler: end after the present step. A second signal changes nothing."""
+        self.stopping = True
+
+
+@contextmanager
+def spinning() -> Iterator[Spinner]:
+    """A spinner of this process, with rclpy started and SIGINT and SIGTERM caught; on leaving, everything is taken down in order."""
+    # Timers of a thread fire up to 50 us late by default; here that is paid several times in every period.
+    ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    executor = EventsExecutor()
+    spinner = Spinner(executor)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, spinner.stop)
+    try:
+        yield spinner
+    finally:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)  # a signal while the executor goes down would abort the process
+        nodes = executor.get_nodes()
+        executor.shutdown()
+        for node in nodes:
+            node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def new_node(name: str, kind: type[P]) -> tuple[Node, P]:
+    """A node with its parameters as `parameters.load` reads them."""
+    node = Node(name, automatically_declare_parameters_from_overrides=True)
+    return node, parameters.load(node, kind, sys.argv)
+
+
+def run_node(name: str, kind: type[P], make: Callable[[Node, P, Spinner], Runnable]) -> None:
+    """The main function of a node executable; exits with status 1 and one sentence if the user's input does not fit.
+
+    Args:
+        name: node name unless remapped.
+        kind: dataclass of the parameters.
+        make: what the node does; its run() works until `spinner.stopping`.
+    """
+    try:
+        _refuse_foreign(sys.argv)
+        with spinning() as spinner:
+            node, values = new_node(name, kind)
+            spinner.add(node)
+            make(node, values, spinner).run()
+    except HamrError as error:
+        sys.stderr.write(f"{name}: {error}\n")
+        sys.exit(1)
+    except (ExternalShutdownException, ROSInterruptException):
+        sys.exit(1)
+
+
+def _refuse_foreign(arguments: Sequence[str]) -> None:
+    if foreign := remove_ros_args(list(arguments))[1:]:
+        raise ConfigError(f"There is no argument '{foreign[0]}'; parameters are given as --ros-args -p name:=value.")
