@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from hamr_bags.layout import Frame
 from hamr_bags.frames import odometry_layout, state_layout
+from hamr_bags.layout import Frame
 from hamr_bags.writer import BagWriter
 from hamr_bringup.motion import read_motion
 from hamr_bringup.painter import Painter
