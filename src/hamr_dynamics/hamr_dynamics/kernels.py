@@ -1,14 +1,12 @@
-"""Compiled kernels of a plant, cached on disk: source text traced once per version of the physics, machine code once per machine."""
+"""Compiled kernels of a plant: traced in a tenth of a second, compiled once per machine and kept on disk under the hash of their text."""
 
 from __future__ import annotations
 
 import hashlib
 import importlib.util
-import inspect
 import os
 import sys
 import tempfile
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -17,9 +15,7 @@ from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 
 from . import driver
-from .plant import Plant, flatten
-
-PACKAGES = ("hamr_description", "hamr_dynamics")
+from .plant import Plant
 
 
 def cache_folder() -> Path:
@@ -38,23 +34,6 @@ def cache_folder() -> Path:
 
 
 @cache
-def _fingerprint(folders: tuple[Path, ...]) -> str:
-    """Hash of every source file that shapes a kernel."""
-    digest = hashlib.sha256()
-    for folder in folders:
-        for path in sorted([*folder.glob("*.py"), *folder.glob("*.yaml")]):
-            digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
-def _key(plant: Plant, *settings: object) -> str:
-    home = Path(inspect.getsourcefile(plant.leg)).parent
-    folders = tuple(Path(importlib.util.find_spec(p).origin).parent for p in PACKAGES) + (home,)
-    numbers = [sorted(flatten(plant.parameters(leg)).items()) for leg in ("fl", "rl")]
-    text = repr((_fingerprint(folders), numbers, plant.tunable, plant.network, sys.version_info[:2], *settings))
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
 def load(plant: Plant, environment: str, robots: int, dtype: str = "float64", h: float = SERVO_MS) -> ModuleType:
     """Module with the compiled `advance` and `look` of a plant (see `driver`).
 
@@ -65,20 +44,19 @@ def load(plant: Plant, environment: str, robots: int, dtype: str = "float64", h:
         h: step, ms.
     """
     limit = value("actuator.neutral_voltage")
-    label = f"{plant.name}_{environment}_{dtype}_{robots}"
-    return load_source(label, lambda: driver.source(plant, environment, robots, dtype, h, limit), plant, environment, robots, dtype, h, limit)
+    return load_source(f"{plant.name}_{environment}_{dtype}_{robots}", driver.source(plant, environment, robots, dtype, h, limit))
 
 
-def load_source(label: str, write: Callable[[], str], plant: Plant, *settings: object) -> ModuleType:
-    """The module whose text `write` gives, from the cache if plant, settings and the sources of the physics are unchanged."""
-    name = f"{label}_{_key(plant, *settings)}"
+def load_source(label: str, text: str) -> ModuleType:
+    """The module of a source text, compiled at most once per machine: the text alone decides, so no stale code can be found."""
+    name = f"{label}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
     if not path.exists():
         handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
         with os.fdopen(handle, "w") as file:
-            file.write(write())
+            file.write(text)
         os.replace(temporary, path)  # whole or not at all, also with two processes at once
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)

@@ -40,7 +40,7 @@ class LegStep:
     def __init__(self, plant: Plant, h: float = SERVO_MS) -> None:
         self.plant = plant
         self.parameter_names = stages.parameter_rows(plant)
-        self.module = kernels.load_source(f"{plant.name}_leg", lambda: leg_source(plant, h), plant, "leg_step", h)
+        self.module = kernels.load_source(f"{plant.name}_leg", leg_source(plant, h))
 
     def step(self, state, drive, param) -> np.ndarray:
         """State after one step, (6, lanes)."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
 
 from hamr_description.errors import ConfigError
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Plant:
-    """A robot model, leg by leg.
+    """A robot model, leg by leg; the same only if the same object.
 
     Attributes:
         name: as on the command line.
@@ -38,8 +39,10 @@ _REGISTRY: dict[str, Callable[[], Plant]] = {}
 def register(name: str, factory: Callable[[], Plant]) -> None:
     """Makes a plant known."""
     _REGISTRY[name] = factory
+    plant.cache_clear()
 
 
+@cache
 def plant(name: str) -> Plant:
     """The plant of a name; ConfigError lists the known ones."""
     if name not in _REGISTRY and name in HOMES:
