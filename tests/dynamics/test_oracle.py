@@ -10,11 +10,11 @@ from forward import free_acceleration, hip_acceleration
 from hamr_description import mjcf
 from hamr_description.names import JOINTS
 from hamr_description.numbers import value
+from hamr_description.simple_constants import simple_constants
 from hamr_dynamics.plant import plant
 from hamr_sim_full.actuator import bender
 from hamr_sim_full.mujoco_full import hip_rows
 from hamr_sim_full.mujoco_oracle import close_loops, hard_qacc
-from hamr_sim_residual.simple import simple_constants
 
 TOLERANCE = {"simple": 1e-9, "full": 1e-6}
 NEUTRAL = value("actuator.neutral_voltage")

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from hamr_description.errors import ConfigError
-from hamr_description.names import JOINTS, LEGS, drive_sign, joint_signs
-from hamr_description.numbers import leg_value, value
+from hamr_description.names import LEGS, drive_sign, joint_signs
+from hamr_description.numbers import value
+from hamr_description.posture import stand_height
 from hamr_description.rates import SUBSTEPS
 
 from . import kernels, stages
@@ -137,9 +138,8 @@ class BatchSim:
     # --- state -----------------------------------------------------------------------------------------------------------
     def reset(self, mask=None) -> None:
         """Stand at rest, feet just touching the ground; all robots, or those of an (n,) mask."""
-        height = -(leg_value("fl", "hip")[2] + neutral_foot_drop())
         self.set_state(
-            q=0.0, qd=0.0, position=(0.0, 0.0, height), quaternion=(1.0, 0.0, 0.0, 0.0), velocity=0.0, angular_velocity=0.0, mask=mask
+            q=0.0, qd=0.0, position=(0.0, 0.0, stand_height()), quaternion=(1.0, 0.0, 0.0, 0.0), velocity=0.0, angular_velocity=0.0, mask=mask
         )
 
     def set_state(self, *, q=None, qd=None, position=None, quaternion=None, velocity=None, angular_velocity=None, mask=None) -> None:
@@ -238,12 +238,3 @@ class BatchSim:
         along_y = np.array([joint_signs(leg)[1] for leg in LEGS for _ in (0, 1)], float)
         signs = {"tip": along_y, "tip_rate": along_y, "tip_force": along_y, "torque": SIGN}
         return {name: self._get8(self._seen, stages.SEEN, name, sign) for name, sign in signs.items()}
-
-
-def neutral_foot_drop() -> float:
-    """Height of the foot relative to the hip at q = 0, mm (negative)."""
-    z = sum(leg_value("fl", f"origins.{name}")[2] for name in ("lift_slider", "l1", "l2", "fb3"))
-    return float(z + leg_value("fl", "foot_in_L4")[2] - leg_value("fl", "hip")[2])
-
-
-__all__ = ["ENVIRONMENTS", "JOINTS", "BatchSim", "neutral_foot_drop"]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from hamr_description.numbers import value
+from hamr_description.simple_constants import simple_constants
 from hamr_dynamics.plant import Plant, register
 
-from .simple import simple_constants, simple_leg, simple_parameters
+from .simple import simple_leg, simple_parameters
 from .simple_published import published_leg, published_parameters
 
 TUNABLE = ("mass", "com", "inertia", "stiffness", "damping", "torque_per_volt", "stop_low", "stop_high", "stop_stiffness", "stop_damping")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import resources
-
-import yaml
-
 from hamr_description.numbers import value
+from hamr_description.posture import neutral_foot
+from hamr_description.simple_constants import simple_constants
 from hamr_dynamics import jet, vec
 from hamr_dynamics.jet import Jet
 from hamr_dynamics.leg import Body, Leg, project
@@ -15,27 +13,18 @@ from hamr_dynamics.stops import stop_force
 X = (1.0, 0.0, 0.0)
 
 
-def simple_constants() -> dict:
-    """hamr_description/simple.yaml: groups chassis, front, rear."""
-    return yaml.safe_load(resources.files("hamr_description").joinpath("simple.yaml").read_text())
-
-
 def simple_parameters(leg: str) -> dict:
     """HAMR-simple's parameters of one leg (g, mm, ms, N, V, rad), front-left frame."""
     group = simple_constants()["front" if leg[0] == "f" else "rear"]
     p = {k: tuple(v) if isinstance(v, list) else v for k, v in group.items()}
     p["hip"] = tuple(float(x) for x in value("leg.hip"))
-    p["foot"] = neutral_foot()
+    p["foot"] = foot_from_hip()
     return p
 
 
-def neutral_foot() -> tuple[float, float, float]:
-    """Foot relative to the hip at q = 0, mm: L4's foot through the chain of joint origins."""
-    origins = ("lift_slider", "l1", "l2", "fb3")
-    total = vec.sub(tuple(value("leg.foot_in_L4")), tuple(value("leg.hip")))
-    for name in origins:
-        total = vec.add(total, tuple(value(f"leg.origins.{name}")))
-    return tuple(float(x) for x in total)
+def foot_from_hip() -> tuple[float, float, float]:
+    """Foot relative to the hip at q = 0 in the front-left frame, mm."""
+    return tuple(float(x) for x in neutral_foot("fl") - value("leg.hip"))
 
 
 def simple_leg(q, v, drive, p) -> Leg:

@@ -11,7 +11,7 @@ from hamr_dynamics import jet, vec
 from hamr_dynamics.jet import Jet
 from hamr_dynamics.leg import Body, Leg
 
-from .simple import neutral_foot, rigid, simple_parameters
+from .simple import foot_from_hip, rigid, simple_parameters
 
 
 def published_parameters(leg: str) -> dict:
@@ -20,7 +20,7 @@ def published_parameters(leg: str) -> dict:
     p = {key: tuple(float(x) for x in value(f"simple_published.{key}")) for key in ("hip", "stiffness", "damping")}
     p |= {"mass": value(f"{group}.mass")} | {key: tuple(float(x) for x in value(f"{group}.{key}")) for key in ("com", "inertia")}
     p |= {key: value(f"simple_published.{key}") for key in ("leg_length", "rest_lift", "torque_per_volt")}
-    foot = neutral_foot()
+    foot = foot_from_hip()
     p["direction"] = vec.scale(foot, 1.0 / vec.dot(foot, foot) ** 0.5)
     simple = simple_parameters(leg)
     return p | {key: simple[key] for key in ("stop_low", "stop_high", "stop_stiffness", "stop_damping", "tip_per_angle")}

@@ -1,0 +1,40 @@
+"""The node sim: HAMR-simple behind the topics, with its learned residual or without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rclpy.node import Node
+
+from hamr_controller.ros.parameters import parameter
+from hamr_controller.ros.process import Spinner, run_node
+from hamr_controller.ros.simulator import SimulatorNode
+from hamr_controller.ros.simulator_parameters import SimulatorParameters
+
+from .engines import make_engine
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters(SimulatorParameters):
+    """Those of every simulator, and which model runs."""
+
+    residual: str = parameter("", "residual model file; empty for plain HAMR-simple")
+    backend: str = parameter("", "simple, simple_published or residual; empty for what 'residual' says")
+
+
+def make(node: Node, parameters: Parameters, spinner: Spinner) -> SimulatorNode:
+    """The node with its robot."""
+    p = parameters
+    engine = make_engine(
+        backend=p.backend, engine=p.engine, environment=p.environment, friction=p.friction, residual=p.residual, seed=p.seed
+    )
+    return SimulatorNode(node, p, spinner, engine)
+
+
+def main() -> None:
+    """The executable."""
+    run_node("simulator", Parameters, make)
+
+
+if __name__ == "__main__":
+    main()
