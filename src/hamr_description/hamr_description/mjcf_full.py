@@ -35,7 +35,7 @@ def drive_joint(joint: str) -> str:
 
 
 def full(
-    *, c0: float, c1: float, environment: str = "ground", friction: float | None = None, rail: bool = True, gravity: bool = True
+    *, c0: float, c1: float, environment: str = "ground", friction: float | None = None, rail: bool = True, gravity: float | None = None
 ) -> str:
     """MJCF of HAMR-full, 50 us steps, `ctrl` = drive voltages in V.
 
@@ -44,7 +44,7 @@ def full(
         environment: `ground` (floating chassis, foot contact) or `suspended` (chassis fixed, no contact).
         friction: Coulomb coefficient of the feet; None takes contact.friction.
         rail: with the force of the bias rail, c1 (Vb - Vg) per mm; False gives the published "rail off" figures.
-        gravity: False switches it off.
+        gravity: mm/ms^2; None takes robot.gravity.
 
     End stops are no MuJoCo limits: they are forces on the sliders that hamr_sim_full.mujoco_engine adds.
     """

@@ -38,13 +38,13 @@ class Scene:
     actuator: ET.Element
 
 
-def new(name: str, *, chassis: Mapping, environment: str, gravity: bool) -> Scene:
+def new(name: str, *, chassis: Mapping, environment: str, gravity: float | None) -> Scene:
     """Scene with a floor and the chassis (mass, com, inertia), which floats on the `ground` and is fixed when `suspended`."""
     if environment not in ENVIRONMENTS:
         raise ConfigError(f"MJCF model: environment '{environment}' is unknown; choose one of {', '.join(ENVIRONMENTS)}.")
     root = element(None, "mujoco", model=name)
     element(root, "compiler", angle="radian", autolimits=True, inertiafromgeom=False, boundmass=0, boundinertia=0)
-    pull = (0, 0, -value("robot.gravity") if gravity else 0)
+    pull = (0, 0, -(value("robot.gravity") if gravity is None else gravity))
     solver = {"solver": "Newton", "cone": "elliptic", "jacobian": "dense", "iterations": 30, "tolerance": 1e-12}
     element(root, "option", timestep=SERVO_MS, gravity=pull, integrator="Euler", **solver)
     add_looks(root)

@@ -17,7 +17,7 @@ from .xml_tree import document, element
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 
 
-def simple(parameters: Mapping, *, environment: str = "ground", friction: float | None = None, gravity: bool = True) -> str:
+def simple(parameters: Mapping, *, environment: str = "ground", friction: float | None = None, gravity: float | None = None) -> str:
     """MJCF of HAMR-simple: at each hip a hinge about x (lift), then one about z (swing), named as in names.JOINTS.
 
     Args:
@@ -51,7 +51,7 @@ def published_hinge(joint: str) -> str:
     return f"{joint}_hinge"
 
 
-def simple_published(*, environment: str = "ground", friction: float | None = None, gravity: bool = True) -> str:
+def simple_published(*, environment: str = "ground", friction: float | None = None, gravity: float | None = None) -> str:
     """MJCF of the published lumped fit: at each hip a hinge about y (swing), an almost massless link, a hinge about x (lift).
 
     Hinge angles count from rest; hamr_sim_full.mujoco_published reads them as hip angles. Arguments as in mjcf_full.full.

@@ -1,4 +1,4 @@
-"""One robot in MuJoCo behind the Engine interface (docs/architecture.md): the second, independently written implementation.
+"""One robot in MuJoCo behind hamr_dynamics.engine.Engine: the second, independently written implementation.
 
 The model text comes from hamr_description.mjcf; a `Readout` knows how hip angles, tips and end stops lie in its coordinates.
 """
@@ -15,6 +15,8 @@ from numba import njit
 from hamr_description import units
 from hamr_description.names import BASE_FRAME
 
+BAD_NUMBERS = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+
 
 class Readout(Protocol):
     """The model-specific part; bound to one model and its data."""
@@ -23,14 +25,14 @@ class Readout(Protocol):
         """Write the end stops' forces into qfrc_applied; how many stops push."""
 
     def measure(self, sample: np.ndarray) -> None:
-        """Fill (7, 8) with the rows of ROWS in docs/architecture.md, SI.
+        """Fill (7, 8) with the rows of hamr_dynamics.engine.ROWS, SI.
 
         Torque and force are those at the present state under the last voltages; acceleration is that of the last substep.
         """
 
 
 class MujocoEngine:
-    """Implements the Engine protocol.
+    """One robot (see `hamr_dynamics.engine.Engine`).
 
     Args:
         xml: a model of hamr_description.mjcf.
@@ -81,15 +83,14 @@ class MujocoEngine:
         out[10:13] = units.rate_to_si(self._twist[:3])
 
     def counters(self) -> dict[str, float]:
-        """Since reset: stops_hit (end stops pushing, summed over substeps), unstable (MuJoCo's warnings of bad numbers);
-        of the last substep: constraint_residual, largest loop closure error, mm."""
+        """stops_hit since reset (joint-substeps); constraint_residual, the largest loop closure error now, mm; finite (1 or 0)."""
         data = self.data
-        loops = data.efc_pos[: data.ne]
-        kinds = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+        # MuJoCo resets a state that is not finite and says so by a warning only
+        warned = any(data.warning[int(kind)].number for kind in BAD_NUMBERS)
         return {
             "stops_hit": float(self._stops_hit),
-            "constraint_residual": float(np.abs(loops).max(initial=0.0)),
-            "unstable": float(sum(data.warning[int(kind)].number for kind in kinds)),
+            "constraint_residual": float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0)),
+            "finite": float(not warned and np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()),
         }
 
 

@@ -18,10 +18,10 @@ COORDINATES = tuple(joint for axis in AXES for joint, _ in CHAINS[axis])
 SWING_SLIDER, S1, S2, FB1, LIFT_SLIDER, L1, L2, FB3 = range(len(COORDINATES))
 
 
-def full_engine(*, environment: str = "ground", friction: float | None = None) -> MujocoEngine:
+def full_engine(*, environment: str = "ground", friction: float | None = None, gravity: float | None = None) -> MujocoEngine:
     """HAMR-full as published, with loop closures. Arguments as `hamr_description.mjcf.full`."""
     law = bender()
-    xml = mjcf.full(c0=law.c0, c1=law.c1, environment=environment, friction=friction)
+    xml = mjcf.full(c0=law.c0, c1=law.c1, environment=environment, friction=friction, gravity=gravity)
     return MujocoEngine(xml, FullReadout, backend="full", environment=environment)
 
 

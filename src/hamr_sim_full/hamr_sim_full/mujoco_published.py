@@ -14,19 +14,23 @@ from hamr_description.mjcf_simple import published_hinge
 from hamr_description.names import JOINTS, LEGS, MIRROR
 from hamr_description.numbers import value
 from hamr_description.posture import neutral_foot
+from hamr_description.simple_constants import simple_constants
 
 from .mujoco_engine import MujocoEngine, stop_force
 from .mujoco_simple import fill_drive, joint_stops, tips_per_angle
 
 
-def published_engine(*, environment: str = "ground", friction: float | None = None) -> MujocoEngine:
+def published_engine(*, environment: str = "ground", friction: float | None = None, gravity: float | None = None) -> MujocoEngine:
     """The published lumped fit. Arguments as `hamr_description.mjcf.full`."""
-    xml = mjcf.simple_published(environment=environment, friction=friction)
+    xml = mjcf.simple_published(environment=environment, friction=friction, gravity=gravity)
     return MujocoEngine(xml, PublishedReadout, backend="simple_published", environment=environment)
 
 
 class PublishedReadout:
-    """Hip angles (swing about z after lift about x) of the direction in which yaw and roll point the foot."""
+    """Hip angles (swing about z after lift about x) of the direction in which yaw and roll point the foot.
+
+    End stops and tips are HAMR-simple's.
+    """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         self._state = (data.qpos[model.nq - model.nv :], data.qvel, data.qacc)
@@ -36,8 +40,8 @@ class PublishedReadout:
         self._signs = np.array([MIRROR[leg] for leg in LEGS], float)
         rest = neutral_foot("fl") - value("leg.hip")
         self._shape = np.array([*(rest[1:] / np.linalg.norm(rest)), value("simple_published.rest_lift")])
-        self._stops = joint_stops()
-        self._tips = tips_per_angle()
+        self._stops = joint_stops(simple_constants())
+        self._tips = tips_per_angle(simple_constants())
         self._torque = np.empty(len(JOINTS))
 
     def push_stops(self) -> int:

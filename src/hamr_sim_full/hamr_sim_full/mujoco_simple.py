@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
+
 import mujoco
 import numpy as np
 from numba import njit
@@ -13,26 +16,29 @@ from hamr_description.simple_constants import simple_constants
 from .mujoco_engine import MujocoEngine, stop_force
 
 
-def simple_engine(*, environment: str = "ground", friction: float | None = None) -> MujocoEngine:
-    """HAMR-simple. Arguments as `hamr_description.mjcf.full`."""
-    xml = mjcf.simple(simple_constants(), environment=environment, friction=friction)
-    return MujocoEngine(xml, SimpleReadout, backend="simple", environment=environment)
+def simple_engine(
+    parameters: Mapping | None = None, *, environment: str = "ground", friction: float | None = None, gravity: float | None = None
+) -> MujocoEngine:
+    """HAMR-simple with parameters in the shape of simple.yaml; None takes that file. Else as `hamr_description.mjcf.full`."""
+    parameters = simple_constants() if parameters is None else parameters
+    xml = mjcf.simple(parameters, environment=environment, friction=friction, gravity=gravity)
+    return MujocoEngine(xml, partial(SimpleReadout, parameters=parameters), backend="simple", environment=environment)
 
 
-def joint_stops() -> np.ndarray:
+def joint_stops(parameters: Mapping) -> np.ndarray:
     """(8, 4) low, high, stiffness, damping of each hip angle's end stops (rad, N mm/rad, N mm ms/rad)."""
     rows = []
     for leg in LEGS:
-        constants = simple_constants()[mirror.end(leg)]
+        constants = parameters[mirror.end(leg)]
         for i, sign in enumerate(joint_signs(leg)):
             low, high = sorted(sign * constants[stop][i] for stop in ("stop_low", "stop_high"))
             rows.append((low, high, constants["stop_stiffness"][i], constants["stop_damping"][i]))
     return np.array(rows)
 
 
-def tips_per_angle() -> np.ndarray:
+def tips_per_angle(parameters: Mapping) -> np.ndarray:
     """(8,) tip deflection along +y of the chassis per hip angle, mm/rad: HAMR-full's at rest."""
-    ratios = [np.multiply(joint_signs(leg), simple_constants()[mirror.end(leg)]["tip_per_angle"]) for leg in LEGS]
+    ratios = [np.multiply(joint_signs(leg), parameters[mirror.end(leg)]["tip_per_angle"]) for leg in LEGS]
     return np.concatenate([MIRROR[leg][1] * ratio for leg, ratio in zip(LEGS, ratios, strict=True)])
 
 
@@ -46,13 +52,13 @@ def fill_drive(sample: np.ndarray, torque: np.ndarray, tips: np.ndarray) -> None
 class SimpleReadout:
     """Hip angles are joints; tips follow them linearly."""
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, parameters: Mapping) -> None:
         self._state = (data.qpos[model.nq - model.nv :], data.qvel, data.qacc)
         self._ctrl, self._applied = data.ctrl, data.qfrc_applied
         self._dofs = np.array([model.joint(name).dofadr[0] for name in JOINTS])
         self._gain, self._offset = model.actuator_gainprm[:, 0].copy(), model.actuator_biasprm[:, 0].copy()
-        self._stops = joint_stops()
-        self._tips = tips_per_angle()
+        self._stops = joint_stops(parameters)
+        self._tips = tips_per_angle(parameters)
 
     def push_stops(self) -> int:
         """See `Readout`."""
