@@ -54,7 +54,7 @@ def add_stage(world: ET.Element) -> None:
     light = {"cutoff": 40, "exponent": 1, "diffuse": (0.55, 0.55, 0.55), "specular": (0.1, 0.1, 0.1)}
     element(world, "light", name="sun", mode="trackcom", pos=place(-1.5, 1.5, 5), dir=(0.3, -0.3, -1), **light)
     element(world, "camera", name="overview", pos=place(1.1, 1.4, 0.9), mode="targetbody", target=BASE_FRAME)
-    element(world, "camera", name="track", pos=place(0.8, -1.1, 0.8), mode="trackcom", xyaxes=(0.81, 0.59, 0, -0.22, 0.30, 0.93))
+    element(world, "camera", name="track", pos=place(0.95, -1.3, 0.85), mode="trackcom", xyaxes=(0.81, 0.59, 0, -0.20, 0.27, 0.94))
     element(world, "camera", name="side", pos=place(0, -2, 0.3), mode="trackcom", xyaxes=(1, 0, 0, 0, 0, 1))
     element(world, "camera", name="top", pos=place(0, 0, 2.2), mode="trackcom", xyaxes=(1, 0, 0, 0, 1, 0))
 
