@@ -65,6 +65,14 @@ def test_a_mistake_is_one_sentence_on_standard_error(words, status, says):
     assert says in lines[0]
 
 
+def test_with_json_a_mistake_is_an_object_too():
+    done = hamr("render", "no/such/bag", "--out", "x.mp4", "--json")
+    assert done.returncode == 1
+    found = json.loads(done.stdout)
+    assert found["ok"] is False
+    assert found["error"] in done.stderr
+
+
 def test_a_missing_argument_is_a_usage_error_without_traceback():
     done = hamr("render")
     assert done.returncode == 2

@@ -2,7 +2,8 @@
 
 A command is a module in commands/ whose docstring says what it does, with examples, and whose `Command` is a dataclass (or a union of
 dataclasses, for commands in two words) with `run() -> dict`. Standard output carries the result alone: a table, or with `--json` one
-JSON object; progress and logs, also those of child processes, go to standard error. The exit status is 0 only on success.
+JSON object, {"ok": false, "error": ...} when it fails; progress and logs, also those of child processes, go to standard error. The exit status
+is 0 only on success.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from hamr_description.errors import HamrError
 from .environment import prepare
 from .present import as_json_text, as_text
 
-COMMANDS = ("run", "render", "doctor")  # in the order of the help
+COMMANDS = ("run", "bag", "render", "doctor")  # in the order of the help
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 AS_JSON = "--json"
@@ -39,21 +40,25 @@ def run(argv: list[str]) -> int:
         (sys.stdout if argv else sys.stderr).write(overview())
         return 0 if argv else USAGE
     name, *rest = argv
+    as_json = AS_JSON in rest
     if name not in COMMANDS:
         near = get_close_matches(name, COMMANDS, n=1)
         return _fail(f"there is no command '{name}'" + (f"; did you mean '{near[0]}'?" if near else "; hamr --help lists them."), USAGE)
     try:
-        return _run(_module(name), name, rest)
+        return _run(_module(name), name, [word for word in rest if word != AS_JSON], as_json=as_json)
     except HamrError as error:
-        return _fail(f"{name}: {error}")
+        sentence, status = str(error), FAILED
     except OSError as error:
-        return _fail(f"{name}: {error.strerror or error}" + (f": '{error.filename}'." if error.filename else "."))
+        sentence, status = f"{error.strerror or error}" + (f": '{error.filename}'." if error.filename else "."), FAILED
     except ModuleNotFoundError as error:
         if (error.name or "").startswith("hamr_"):
             raise
-        return _fail(f"{name}: the Python package '{error.name}' is not installed; hamr doctor says how to get it.")
+        sentence, status = f"the Python package '{error.name}' is not installed; hamr doctor says how to get it.", FAILED
     except KeyboardInterrupt:
-        return _fail(f"{name}: interrupted.", INTERRUPTED)
+        sentence, status = "interrupted.", INTERRUPTED
+    if as_json:
+        sys.stdout.write(as_json_text({"ok": False, "error": sentence}))
+    return _fail(f"{name}: {sentence}", status)
 
 
 def overview() -> str:
@@ -66,9 +71,8 @@ def _module(name: str) -> ModuleType:
     return importlib.import_module(f".commands.{name}", __package__)
 
 
-def _run(module: ModuleType, name: str, argv: list[str]) -> int:
-    as_json = AS_JSON in argv
-    command = _parse(module, name, [word for word in argv if word != AS_JSON])
+def _run(module: ModuleType, name: str, argv: list[str], *, as_json: bool) -> int:
+    command = _parse(module, name, argv)
     with _result_only() as out:
         result = command.run()
         out.write(as_json_text(result) if as_json else as_text(result))
@@ -98,7 +102,7 @@ def _result_only() -> Iterator[TextIO]:
             os.dup2(out.fileno(), 1)
 
 
-def _fail(sentence: str, status: int = FAILED) -> int:
+def _fail(sentence: str, status: int) -> int:
     sys.stderr.write(f"hamr: {sentence}\n")
     return status
 

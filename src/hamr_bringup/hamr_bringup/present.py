@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -15,20 +16,35 @@ def as_json_text(result: dict) -> str:
 
 
 def as_text(result: dict) -> str:
-    """`rows` as a table with the keys of the first row as heads, everything else as `key: value` lines below it."""
+    """Tables for lists of objects, `key: value` lines for the rest, in order; the verdict `ok` comes last."""
+    ordered = {key: value for key, value in result.items() if key != "ok"} | {key: value for key, value in result.items() if key == "ok"}
+    return "".join(f"{line.rstrip()}\n" for line in _lines(ordered))
+
+
+def _lines(result: dict) -> Iterator[str]:
+    for key, value in result.items():
+        if value and isinstance(value, list | tuple) and all(isinstance(row, dict) for row in value):
+            if key != "rows":
+                yield f"{key}:"
+            yield from _table(value)
+        elif value and isinstance(value, dict):
+            yield f"{key}:"
+            yield from (f"  {line}" for line in _lines(value))
+        else:
+            yield f"{key}: {_cell(value)}"
+
+
+def _table(rows: Sequence[dict]) -> list[str]:
+    """The keys of the first row are the heads."""
     from rich.console import Console
     from rich.table import Table
 
+    table = Table(*rows[0], box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*(_cell(row.get(key)) for key in rows[0]))
     text = StringIO()
-    console = Console(file=text, width=200, no_color=True)
-    rows = result.get("rows", [])
-    if rows:
-        table = Table(*rows[0], box=None, pad_edge=False)
-        for row in rows:
-            table.add_row(*(_cell(row.get(key)) for key in rows[0]))
-        console.print(table)
-    lines = [f"{key}: {_cell(value)}" for key, value in result.items() if key != "rows"]
-    return "".join(f"{line.rstrip()}\n" for line in [*text.getvalue().splitlines(), *lines])
+    Console(file=text, width=200, no_color=True).print(table)
+    return text.getvalue().splitlines()
 
 
 def _cell(value: Any) -> str:
@@ -40,9 +56,9 @@ def _cell(value: Any) -> str:
         case float():
             return f"{value:.4g}"
         case dict():
-            return ", ".join(f"{key} {_cell(item)}" for key, item in value.items())
+            return ", ".join(f"{key} {_cell(item)}" for key, item in value.items()) or "none"
         case list() | tuple():
-            return ", ".join(_cell(item) for item in value)
+            return ", ".join(_cell(item) for item in value) or "none"
         case _:
             return str(value)
 
