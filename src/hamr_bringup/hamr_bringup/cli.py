@@ -2,8 +2,8 @@
 
 A command is a module in commands/ whose docstring says what it does, with examples, and whose `Command` is a dataclass (or a union of
 dataclasses, for commands in two words) with `run() -> dict`. Standard output carries the result alone: a table, or with `--json` one
-JSON object, {"ok": false, "error": ...} when it fails; progress and logs, also those of child processes, go to standard error. The exit status
-is 0 only on success.
+JSON object, {"ok": false, "error": ...} when it fails; progress and logs, also those of child processes, go to standard error. The exit
+status is 0 only on success.
 """
 
 from __future__ import annotations

@@ -74,22 +74,22 @@ def _paint_floor(draw: ImageDraw.ImageDraw, view: _View, middle: np.ndarray, hei
     tiles = np.stack(np.meshgrid(*(start + np.arange(2 * TILES_AROUND) for start in first), indexing="ij"), -1).reshape(-1, 2)
     points = np.concatenate(((tiles[:, None] + corners) * TILE, np.full((len(tiles), 4, 1), height)), -1)
     pixels, depth = view(points)
-    for tile, outline, deep in zip(tiles, pixels, depth, strict=True):
-        if deep.min() > view.near:
-            draw.polygon([tuple(p) for p in outline], fill=TILES[tile.sum() % 2])
+    seen = depth.min(1) > view.near
+    for outline, colour in zip(_outlines(pixels[seen]), tiles[seen].sum(1) % 2, strict=True):
+        draw.polygon(outline, fill=TILES[colour])
     for vertices, _, rgba in solids:
         if rgba[3] == 1:
             ground = vertices - SUN * ((vertices[:, 2:] - height) / SUN[2])
             outline, deep = view(ground[ConvexHull(ground[:, :2]).vertices])
             if deep.min() > view.near:
-                draw.polygon([tuple(p) for p in outline], fill=SHADOW)
+                draw.polygon(outline.ravel().tolist(), fill=SHADOW)
 
 
 def _paint_trail(draw: ImageDraw.ImageDraw, view: _View, points: np.ndarray) -> None:
     pixels, depth = view(points)
-    seen = [tuple(pixel) for pixel in pixels[depth > view.near]]
-    if len(seen) > 1:
-        draw.line(seen, fill=TRAIL, width=2 * OVERSAMPLING)
+    seen = depth > view.near
+    if seen.sum() > 1:
+        draw.line(pixels[seen].ravel().tolist(), fill=TRAIL, width=2 * OVERSAMPLING)
 
 
 def _faces(view: _View, solids: list) -> list[tuple[list, tuple]]:
@@ -103,11 +103,16 @@ def _faces(view: _View, solids: list) -> list[tuple[list, tuple]]:
         normals = np.cross(b - a, c - a)
         light = 0.62 + 0.38 * (normals @ SUN) / np.maximum(np.linalg.norm(normals, axis=1), 1e-12)
         colours = np.minimum(255 * light[:, None] * rgba[:3], 255).astype(int)
-        for i in np.flatnonzero(np.einsum("ij,ij->i", normals, view.eye - a) > 0):
-            outline = [tuple(pixel) for pixel in pixels[faces[i]]]
-            painted.append((depth[faces[i]].mean(), outline, (*colours[i], int(255 * rgba[3]))))
+        front = np.einsum("ij,ij->i", normals, view.eye - a) > 0
+        fills = np.column_stack((colours[front], np.full(front.sum(), int(255 * rgba[3]))))
+        painted += zip(depth[faces[front]].mean(1).tolist(), _outlines(pixels[faces[front]]), map(tuple, fills.tolist()), strict=True)
     painted.sort(key=lambda entry: -entry[0])
     return [entry[1:] for entry in painted]
+
+
+def _outlines(corners: np.ndarray) -> list[list[float]]:
+    """Corners (n, m, 2) as PIL takes them: x, y, x, y, ... of each polygon."""
+    return corners.reshape(len(corners), -1).tolist()
 
 
 def _solid(geom: mujoco.MjvGeom) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
