@@ -14,8 +14,8 @@ from hamr_description.names import JOINTS
 from hamr_sim_full.actuator import bender
 from hamr_sim_full.mujoco_full import full_engine, hip_rows
 from hamr_sim_full.mujoco_oracle import close_loops, loop_jacobian, mass_matrix, motion_space
-from hamr_sim_full.mujoco_published import published_engine
-from hamr_sim_full.mujoco_simple import simple_engine
+from hamr_sim_residual.mujoco_published import published_engine
+from hamr_sim_residual.mujoco_simple import simple_engine
 
 #: HAMR-simple's leg as hamr_facts section 4 has it, rounded.
 LEG = {

@@ -13,10 +13,11 @@ from hamr_description import mjcf
 from hamr_description.names import JOINTS, LEGS, MIRROR, joint_signs
 from hamr_description.simple_constants import simple_constants
 from hamr_sim_full.mujoco_oracle import hard_qacc, mass_matrix
-from hamr_sim_full.mujoco_published import hips, published_engine
-from hamr_sim_full.mujoco_simple import simple_engine
+from hamr_sim_residual.mujoco_published import hips, published_engine
+from hamr_sim_residual.mujoco_simple import simple_engine
 
-SHAPE = (7.58 / np.hypot(7.58, 13.0), -13.0 / np.hypot(7.58, 13.0), 0.520967)  # direction of the neutral foot, rest lift
+REST = 0.520967
+SHAPE = (np.sin(REST), -np.cos(REST), REST)  # direction of the foot at rest, rest lift
 angle = st.floats(-0.4, 0.4)
 rate = st.floats(-1.0, 1.0)
 _model = mujoco.MjModel.from_xml_string(mjcf.simple(CONSTANTS, environment="suspended"))

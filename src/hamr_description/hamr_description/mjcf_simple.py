@@ -54,7 +54,7 @@ def published_hinge(joint: str) -> str:
 def simple_published(*, environment: str = "ground", friction: float | None = None, gravity: float | None = None) -> str:
     """MJCF of the published lumped fit: at each hip a hinge about y (swing), an almost massless link, a hinge about x (lift).
 
-    Hinge angles count from rest; hamr_sim_full.mujoco_published reads them as hip angles. Arguments as in mjcf_full.full.
+    Hinge angles count from rest; hamr_sim_residual.mujoco_published reads them as hip angles. Arguments as in mjcf_full.full.
     """
     scene = new("hamr_simple_published", chassis=published_inertial("chassis"), environment=environment, gravity=gravity)
     springs = {axis: (value("simple_published.stiffness")[i], value("simple_published.damping")[i]) for i, axis in enumerate(AXES)}

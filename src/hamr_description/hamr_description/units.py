@@ -9,6 +9,7 @@ import numpy as np
 
 MM_PER_M = 1e3
 MS_PER_S = 1e3
+G_PER_KG = 1e3
 
 
 def length_to_si(mm):  # mm -> m
@@ -29,6 +30,14 @@ def rate_from_si(per_s):  # 1/s -> 1/ms
 
 def torque_to_si(n_mm):  # N mm -> N m
     return n_mm / MM_PER_M
+
+
+def mass_to_si(g):  # g -> kg
+    return g / G_PER_KG
+
+
+def inertia_to_si(g_mm2):  # g mm^2 -> kg m^2
+    return g_mm2 / (G_PER_KG * MM_PER_M * MM_PER_M)
 
 
 def time_to_si(ms):  # ms -> s

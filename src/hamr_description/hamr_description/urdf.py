@@ -14,10 +14,9 @@ from .numbers import leg_value, value
 from .posture import neutral_foot
 from .rates import TARGET_MS
 from .simple_constants import simple_constants
-from .units import length_to_si, rate_to_si, torque_to_si
+from .units import inertia_to_si, length_to_si, mass_to_si, rate_to_si, torque_to_si
 from .xml_tree import document, element
 
-KG_PER_G = 1e-3
 LEG_RADIUS = 0.4  # as drawn, mm
 
 
@@ -85,10 +84,10 @@ def _joint(robot: ET.Element, name: str, kind: str, origin, links: tuple[str, st
 
 
 def _inertial(link: ET.Element, inertial: Mapping) -> None:
-    inertia = np.asarray(inertial["inertia"], float) * KG_PER_G * length_to_si(length_to_si(1.0))
+    inertia = inertia_to_si(np.asarray(inertial["inertia"], float))
     node = element(link, "inertial")
     element(node, "origin", xyz=length_to_si(np.asarray(inertial["com"], float)))
-    element(node, "mass", value=inertial["mass"] * KG_PER_G)
+    element(node, "mass", value=mass_to_si(inertial["mass"]))
     element(node, "inertia", **dict(zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), inertia.tolist(), strict=True)))
 
 

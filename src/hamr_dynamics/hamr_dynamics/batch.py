@@ -9,7 +9,7 @@ import numpy as np
 from hamr_description.errors import ConfigError
 from hamr_description.names import LEGS, drive_sign, joint_signs
 from hamr_description.numbers import value
-from hamr_description.posture import stand_height
+from hamr_description.posture import hang_height, stand_height
 from hamr_description.rates import SUBSTEPS
 
 from . import kernels, stages
@@ -137,9 +137,10 @@ class BatchSim:
 
     # --- state -----------------------------------------------------------------------------------------------------------
     def reset(self, mask=None) -> None:
-        """Stand at rest, feet just touching the ground; all robots, or those of an (n,) mask."""
+        """Stand at rest, feet just touching the ground (or hang at rest); all robots, or those of an (n,) mask."""
+        height = stand_height() if self.environment == "ground" else hang_height()
         self.set_state(
-            q=0.0, qd=0.0, position=(0.0, 0.0, stand_height()), quaternion=(1.0, 0.0, 0.0, 0.0), velocity=0.0, angular_velocity=0.0, mask=mask
+            q=0.0, qd=0.0, position=(0.0, 0.0, height), quaternion=(1.0, 0.0, 0.0, 0.0), velocity=0.0, angular_velocity=0.0, mask=mask
         )
 
     def set_state(self, *, q=None, qd=None, position=None, quaternion=None, velocity=None, angular_velocity=None, mask=None) -> None:

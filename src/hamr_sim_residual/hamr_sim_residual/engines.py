@@ -37,10 +37,10 @@ def make_engine(
 def _mujoco(backend: str, environment: str, friction: float | None) -> Engine:
     """MuJoCo is imported only where it is asked for."""
     if backend == "simple":
-        from hamr_sim_full.mujoco_simple import simple_engine
+        from hamr_sim_residual.mujoco_simple import simple_engine
 
         return simple_engine(environment=environment, friction=friction)
-    from hamr_sim_full.mujoco_published import published_engine
+    from hamr_sim_residual.mujoco_published import published_engine
 
     return published_engine(environment=environment, friction=friction)
 

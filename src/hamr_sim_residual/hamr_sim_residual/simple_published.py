@@ -6,12 +6,14 @@ angles are tied by the direction of the foot from the hip, so state, targets and
 
 from __future__ import annotations
 
+import math
+
 from hamr_description.numbers import value
 from hamr_dynamics import jet, vec
 from hamr_dynamics.jet import Jet
 from hamr_dynamics.leg import Body, Leg
 
-from .simple import foot_from_hip, rigid, simple_parameters
+from .simple import rigid, simple_parameters
 
 
 def published_parameters(leg: str) -> dict:
@@ -20,8 +22,7 @@ def published_parameters(leg: str) -> dict:
     p = {key: tuple(float(x) for x in value(f"simple_published.{key}")) for key in ("hip", "stiffness", "damping")}
     p |= {"mass": value(f"{group}.mass")} | {key: tuple(float(x) for x in value(f"{group}.{key}")) for key in ("com", "inertia")}
     p |= {key: value(f"simple_published.{key}") for key in ("leg_length", "rest_lift", "torque_per_volt")}
-    foot = foot_from_hip()
-    p["direction"] = vec.scale(foot, 1.0 / vec.dot(foot, foot) ** 0.5)
+    p["direction"] = (0.0, math.sin(p["rest_lift"]), -math.cos(p["rest_lift"]))  # hip to foot at rest: zero of the hip angles
     simple = simple_parameters(leg)
     return p | {key: simple[key] for key in ("stop_low", "stop_high", "stop_stiffness", "stop_damping", "tip_per_angle")}
 

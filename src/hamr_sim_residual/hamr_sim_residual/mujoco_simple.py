@@ -12,8 +12,7 @@ from numba import njit
 from hamr_description import mirror, mjcf, units
 from hamr_description.names import JOINTS, LEGS, MIRROR, joint_signs
 from hamr_description.simple_constants import simple_constants
-
-from .mujoco_engine import MujocoEngine, stop_force
+from hamr_sim_full.mujoco_engine import MujocoEngine, stop_force
 
 
 def simple_engine(

@@ -13,10 +13,9 @@ from hamr_description import mjcf, units
 from hamr_description.mjcf_simple import published_hinge
 from hamr_description.names import JOINTS, LEGS, MIRROR
 from hamr_description.numbers import value
-from hamr_description.posture import neutral_foot
 from hamr_description.simple_constants import simple_constants
+from hamr_sim_full.mujoco_engine import MujocoEngine, stop_force
 
-from .mujoco_engine import MujocoEngine, stop_force
 from .mujoco_simple import fill_drive, joint_stops, tips_per_angle
 
 
@@ -38,8 +37,8 @@ class PublishedReadout:
         self._dofs = np.array([model.joint(published_hinge(joint)).dofadr[0] for joint in JOINTS])
         self._law = np.stack([model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 0]])
         self._signs = np.array([MIRROR[leg] for leg in LEGS], float)
-        rest = neutral_foot("fl") - value("leg.hip")
-        self._shape = np.array([*(rest[1:] / np.linalg.norm(rest)), value("simple_published.rest_lift")])
+        rest = value("simple_published.rest_lift")
+        self._shape = np.array([np.sin(rest), -np.cos(rest), rest])
         self._stops = joint_stops(simple_constants())
         self._tips = tips_per_angle(simple_constants())
         self._torque = np.empty(len(JOINTS))
