@@ -7,6 +7,8 @@ import os
 import shutil
 import tempfile
 
+from hypothesis import settings
+
 from hamr_bringup.environment import prepare
 
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
@@ -14,3 +16,7 @@ os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 101)  # the domains whose po
 os.environ["ROS_LOG_DIR"] = tempfile.mkdtemp(prefix="hamr-test-log-")
 atexit.register(shutil.rmtree, os.environ["ROS_LOG_DIR"], ignore_errors=True)
 prepare()
+
+# Compilation falls into the first example, so no deadline; the same examples on every run.
+settings.register_profile("hamr", deadline=None, derandomize=True)
+settings.load_profile("hamr")

@@ -53,7 +53,9 @@ class KernelEngine:
 
     engine = "kernel"
 
-    def __init__(self, plant: str | Plant, *, environment: str = "ground", friction: float | None = None, gravity: float | None = None) -> None:
+    def __init__(
+        self, plant: str | Plant, *, environment: str = "ground", friction: float | None = None, gravity: float | None = None
+    ) -> None:
         self.sim = BatchSim(plant, 1, environment=environment, friction=friction, gravity=gravity, block=1)
         self.backend, self.environment = self.sim.plant.name, environment
         self._neutral = value("actuator.neutral_voltage")

@@ -217,7 +217,8 @@ def _balance(stage: Stage, kind: str, h: float) -> tuple:
     """Base equations, solved."""
     omega_mid, matrix = stage.reads("pose", "omega_mid", 3), stage.reads("pose", "rows", 9)
     lift = vec.scale(matrix[6:9], stage.read("body", "gravity"))
-    chassis, rhs = chassis_terms(stage.read("body", "mass"), stage.reads("body", "com", 3), stage.reads("body", "inertia", 6), omega_mid, lift, h)
+    body = stage.read("body", "mass"), stage.reads("body", "com", 3), stage.reads("body", "inertia", 6)
+    chassis, rhs = chassis_terms(*body, omega_mid, lift, h)
     total = vec.add(chassis, _sum_legs(stage, "reach", f"{kind}_matrix", 21))
     rhs = vec.add(rhs, _sum_legs(stage, "reach", f"{kind}_rhs", 6))
     if kind == "free":

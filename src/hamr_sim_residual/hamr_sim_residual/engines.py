@@ -9,7 +9,13 @@ BACKENDS = ("simple", "simple_published", "residual")
 
 
 def make_engine(
-    *, backend: str = "", engine: str = "kernel", environment: str = "ground", friction: float | None = None, residual: str = "", seed: int = 0
+    *,
+    backend: str = "",
+    engine: str = "kernel",
+    environment: str = "ground",
+    friction: float | None = None,
+    residual: str = "",
+    seed: int = 0,
 ) -> Engine:
     """HAMR-simple, the published lumped fit, or HAMR-simple with a residual network.
 
@@ -23,7 +29,7 @@ def make_engine(
     if backend not in BACKENDS:
         raise ConfigError(f"Unknown backend '{backend}': known are {', '.join(BACKENDS)}.")
     if (backend == "residual") != bool(residual):
-        raise ConfigError(f"Backend '{backend}' and residual model '{residual}' do not fit: a residual backend needs a model file, the others take none.")
+        raise ConfigError(f"Backend '{backend}' does not fit residual model '{residual}': the residual backend needs a model file, the others none.")
     if engine == "kernel":
         robot: Engine = KernelEngine(_plant(backend, residual), environment=environment, friction=friction)
     elif engine == "mujoco" and backend != "residual":
