@@ -162,6 +162,22 @@ def test_a_missing_value_is_named():
         Decoder(JOINT_STATE, JOINTS)(raw)
 
 
+@pytest.mark.parametrize("kind", ["trajectory", "state", "odometry", "clock"])
+def test_a_message_cut_off_anywhere_is_refused(kind):
+    layouts = {
+        "trajectory": (trajectory_layout(JOINTS, ("positions",), 2, "base"), TRAJECTORY),
+        "state": (state_layout(JOINTS), JOINT_STATE),
+        "odometry": (odometry_layout(), ODOMETRY),
+        "clock": (clock_layout(), CLOCK),
+    }
+    layout, msgtype = layouts[kind]
+    raw = bytes(Frame(layout))
+    assert deserialize(raw, msgtype) is not None
+    for cut in range(len(raw)):
+        with pytest.raises(BagError, match="cannot be decoded"):
+            deserialize(raw[:cut], msgtype)
+
+
 @given(st.binary(max_size=200), st.integers(0, 400), st.integers(0, 255))
 def test_bytes_that_are_no_message_are_refused_in_one_sentence(raw, place, value):
     good = bytearray(trajectory(0, JOINTS, np.arange(2), {"positions": np.zeros((2, 8))}))

@@ -42,15 +42,17 @@ def stitch(groups: Iterable[Numbers], fields: Collection[str]) -> tuple[np.ndarr
 def common(times: dict[str, np.ndarray], held: dict[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times that all of `times` share and at which all of `held` are known; and each key's rows there.
 
-    A held topic keeps its latest value until its next is due (1.5 of its median steps).
+    A held topic keeps a value until its next one; before a gap and at the end, until the next is due (one median step).
     """
     shared = None
     for time in times.values():
         shared = time if shared is None else np.intersect1d(shared, time, assume_unique=True)
     for time in held.values():
         latest = np.searchsorted(time, shared, side="right") - 1
-        due = 1.5 * np.median(np.diff(time)) if time.size > 1 else np.inf
-        shared = shared[(latest >= 0) & (shared - time[latest] < due)]
+        steps = np.diff(time)
+        step = np.median(steps) if steps.size else np.inf
+        until = time + np.append(np.where(steps < 1.5 * step, steps, step), step)
+        shared = shared[(latest >= 0) & (shared < until[latest])]
     if not shared.size:
         spans = ", ".join(f"{key} {time[0] / 1e9:.6f} to {time[-1] / 1e9:.6f} s" for key, time in {**times, **held}.items())
         raise BagError(f"no sample time is common to the topics ({spans}); record them in one run with one clock.")

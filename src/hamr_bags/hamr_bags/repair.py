@@ -28,7 +28,7 @@ class Repaired:
     Attributes:
         bag: the new bag.
         messages: number of messages in it.
-        chunks: number of whole chunks found (messages outside chunks are rescued too).
+        chunks: number of whole chunks found; 0 for a file written without chunks, whose whole messages are rescued.
         lost_bytes: bytes at the end of the file that belong to no whole record, plus damaged chunks.
         left_out: topics whose message type is no standard one.
     """
@@ -95,7 +95,7 @@ class Salvage:
                     self.left_out.add(channel.topic)
 
     def _records(self, file: Path) -> Iterator[McapRecord]:
-        size = file.stat().st_size
+        size, chunked = file.stat().st_size, False
         with file.open("rb") as stream:
             if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
                 raise BagError(f"{file} is no MCAP file; give a bag folder or a .mcap file.")
@@ -108,7 +108,9 @@ class Salvage:
                 if opcode == 0 or start + 9 + length > size:
                     self.lost_bytes += size - start
                     return
-                if opcode in _READ:
+                chunked |= opcode == Opcode.CHUNK
+                # Chunks have checksums; beside them a stray message or channel is a damaged index.
+                if opcode == Opcode.CHUNK or (opcode in _READ and not chunked):
                     yield from self._parse(opcode, stream.read(length))
                 else:
                     stream.seek(length, os.SEEK_CUR)

@@ -79,7 +79,7 @@ class Noise:
 
     def deviation(self) -> np.ndarray:
         t = _times(self.seconds)
-        harmonics = int(self.band_hz * t.size / SERVO_HZ + 1e-9)  # the sliver: 40 Hz of a run of 0.1 s is its 4th, not its 3.999th
+        harmonics = int(self.band_hz * t.size / SERVO_HZ)
         if harmonics < 1:
             raise ConfigError(f"{self.seconds} s hold no full cycle of {self.band_hz} Hz; run longer or widen the band.")
         amplitude = np.random.default_rng(self.seed).standard_normal((len(JOINTS), harmonics, 2))
