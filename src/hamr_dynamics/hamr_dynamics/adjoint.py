@@ -16,7 +16,8 @@ def pullback(stage: Stage, wrt: Sequence[str]) -> Stage:
     """
     graph = stage.graph
     seeds = {f"grad_{array}": rows for array, rows in stage.outputs.items()}
-    back = Stage(f"{stage.name}_pullback", {**stage.inputs, **seeds}, {f"grad_{a}": stage.inputs[a] for a in wrt}, graph)
+    outputs = {f"grad_{a}": stage.inputs[a] for a in wrt}
+    back = Stage(f"{stage.name}_pullback", {**stage.inputs, **seeds}, outputs, graph, uniform=stage.uniform)
     forward = graph.needed(stage.values.values())
     gradient: dict[int, Var | float] = {}
 

@@ -33,6 +33,7 @@ class Stage:
         inputs, outputs: array name -> row names, in order of the arguments; no array is both.
         graph: the trace.
         values: (array, row) -> traced output.
+        uniform: inputs that have one value for all lanes: row r lies at r.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Stage:
     outputs: Mapping[str, Sequence[str]]
     graph: Graph = field(default_factory=Graph)
     values: dict[tuple[str, str], Var | float] = field(default_factory=dict)
+    uniform: frozenset[str] = frozenset()
 
     def read(self, array: str, row: str) -> Var:
         """An input row as a traced scalar."""
@@ -75,16 +77,22 @@ def loop_source(stage: Stage, lanes: int) -> str:
     def operand(a) -> str:
         return f"t{a}" if isinstance(a, int) else constant(a)
 
-    where = {f"{array}.{row}": at(array, i) for array, names in stage.inputs.items() for i, row in enumerate(names)}
-    body = []
+    rows = [(array, i, row) for array, names in stage.inputs.items() for i, row in enumerate(names)]
+    varying = {f"{array}.{row}": at(array, i) for array, i, row in rows if array not in stage.uniform}
+    same = {f"{array}.{row}": f"{array}[{i}]" for array, i, row in rows if array in stage.uniform}
+    before, body = [], []
     for i in graph.needed(stage.values.values()):
         op, args = graph.nodes[i]
-        body.append(f"t{i} = " + (where[args[0]] if op == "input" else _FORMAT[op].format(*map(operand, args))))
+        if op == "input" and args[0] in same:
+            before.append(f"t{i} = {same[args[0]]}")
+        else:
+            body.append(f"t{i} = " + (varying[args[0]] if op == "input" else _FORMAT[op].format(*map(operand, args))))
     for array, names in stage.outputs.items():
         for i, row in enumerate(names):
             value = stage.values[array, row]
             body.append(f"{at(array, i)} = {operand(value.index) if isinstance(value, Var) else constant(value)}")
     lines = [f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):"]
     lines += [f"    {name} = real({text})" for text, name in constants.items()]
+    lines += [f"    {line}" for line in before]
     lines += [f"    for i in range({lanes}):", "        e = U(i)", *(f"        {line}" for line in body)]
     return "\n".join(lines) + "\n"

@@ -32,7 +32,10 @@ class Plant:
 
 
 #: Where each backend lives; its package registers it on import.
-HOMES = {"full": "hamr_sim_full.plants", "simple": "hamr_sim_residual.plants", "simple_published": "hamr_sim_residual.plants"}
+HOMES = {
+    "full": "hamr_sim_full.plants", "simple": "hamr_sim_residual.plants", "simple_published": "hamr_sim_residual.plants",
+    "residual": "hamr_sim_residual.residual_plant",
+}  # fmt: skip
 _REGISTRY: dict[str, Callable[[], Plant]] = {}
 
 
