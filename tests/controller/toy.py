@@ -7,7 +7,7 @@ from numba import njit
 
 from hamr_controller.atomics import monotonic_ns
 from hamr_controller.law import NEUTRAL_VOLT, TORQUE_SIGN
-from hamr_description.rates import SERVO_HZ
+from hamr_description.rates import SERVO_HZ, SUBSTEPS
 
 # HAMR-simple's numbers at rest (swing, lift): kg m^2, N m/rad, N m s/rad, N m/V; coupling left out
 INERTIA = np.tile([1.035e-9, 1.941e-9], 4)
@@ -39,6 +39,16 @@ def _measure(state, sample):
         sample[4, j], sample[5, j], sample[6, j] = state[2, j], 1e3 * state[2, j], state[3, j]
 
 
+@njit(cache=True, nogil=True)
+def _servo_period(answer, memory, samples, volts, k, state, busy_ns):
+    for i in range(k, SUBSTEPS):
+        _measure(state, samples[i])
+        if not answer(memory, i, samples[i], volts[i]):
+            return i
+        _step(state, volts[i], busy_ns)
+    return SUBSTEPS
+
+
 class ToyEngine:
     """Implements Engine (docs/architecture.md). The base creeps along with the hips, so that /odom is not constant.
 
@@ -63,6 +73,9 @@ class ToyEngine:
 
     def substep(self, volts: np.ndarray) -> None:
         _step(self._state, volts, self._busy_ns)
+
+    def servo_period(self, answer, memory: np.ndarray, samples: np.ndarray, volts: np.ndarray, k: int) -> int:
+        return _servo_period(answer, memory, samples, volts, k, self._state, self._busy_ns)
 
     def base(self, out: np.ndarray) -> None:
         out[:] = 0.0

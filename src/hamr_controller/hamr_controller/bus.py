@@ -17,7 +17,7 @@ from numba import njit
 from hamr_description.names import JOINTS
 from hamr_description.rates import SUBSTEPS
 
-from .atomics import load_acquire, spin_until, store_release
+from .atomics import doze_until, load_acquire, spin_until, store_release
 from .law import signed_law
 
 SAMPLE_WORD, SAMPLE_REALS = 16, 24
@@ -29,6 +29,12 @@ _N = len(JOINTS)
 def first_number(period: int) -> int:
     """Number of the first sample of a period; numbers start at 1 and are 64 bits wide: 14 million years of servo samples."""
     return period * SUBSTEPS + 1
+
+
+@njit(cache=True, nogil=True)
+def number_in_period(words, i):
+    """Simulator: number of sample i of the period offered last."""
+    return (words[SAMPLE_WORD] - 1) // SUBSTEPS * SUBSTEPS + 1 + i
 
 
 @njit(cache=True, nogil=True)
@@ -84,3 +90,12 @@ def drive(words, reals, first, k, feed, target, kp, kd, volts, limit_ns):
         answer[:] = volts[i]
         store_release(words, ANSWER_WORD, first + i)
     return SUBSTEPS
+
+
+def warm_up() -> None:
+    """Compile, or load from the cache, what both ends call: seconds that belong before the first period."""
+    words, reals = np.zeros(64, np.int64), np.zeros(64)
+    sample, volts, eight = np.zeros((2, _N)), np.zeros((SUBSTEPS, _N)), np.zeros(_N)
+    exchange(words, reals, 1, sample, eight, 0)
+    drive(words, reals, 1, 0, volts, eight, eight, eight, volts, 0)
+    doze_until(words, SAMPLE_WORD, 0, 0)

@@ -10,13 +10,14 @@ from numba import njit
 
 from hamr_description.rates import SUBSTEPS
 
-from . import bus
+from . import answers, bus
+from .answers import SLICE_NS
 from .atomics import doze_until, load_acquire, store_release
 from .bus_file import BusFile, BusTaken, Role, bus_path, create, remove
 from .law import NEUTRAL_VOLT
 from .plan import Plan
 
-SLICE_NS = 20_000_000  # longest stay in compiled code: signals and dead peers are noticed after it
+_NEUTRAL = Plan.neutral().memory
 
 
 @njit(cache=True)
@@ -62,6 +63,7 @@ class SimulatorEnd:
     waits = True
 
     def __init__(self, run: str, *, patience_s: float = 1.0):
+        bus.warm_up()
         self._file = create(bus_path(run))
         self._words, self._reals = self._file.words, self._file.reals
         self._slices = max(1, round(patience_s * 1e9 / SLICE_NS))
@@ -80,7 +82,7 @@ class SimulatorEnd:
         """Wait a little for the voltages (8,) of the first sample; at once ABSENT, with the neutral voltage, where no driver is."""
         if self._left is not None and self._left != self._mark():
             self._left = None
-        if self._left is None:
+        if self.present:
             doze_until(self._words, bus.ANSWER_WORD, self._first, SLICE_NS)
             if bus.take_answer(self._words, self._reals, self._first, volts):
                 return Reply.READY
@@ -89,27 +91,35 @@ class SimulatorEnd:
         self.give_up(volts)
         return Reply.ABSENT
 
-    def answer(self, k: int, sample: np.ndarray, volts: np.ndarray) -> bool:
-        """Exchange sample k >= 1 (7, 8) for voltages (8,); False, with the neutral voltage, where no driver answers."""
-        if self._left is None:
+    def answer(self, k: int, sample: np.ndarray, volts: np.ndarray) -> None:
+        """Exchange sample k >= 1 (7, 8) for voltages (8,), which are neutral where no driver answers."""
+        if self.present:
             for _ in range(self._slices):
                 if bus.exchange(self._words, self._reals, self._first + k, sample, volts, SLICE_NS):
-                    return True
+                    return
                 if not self._file.held(Role.DRIVER):
                     break
         self.give_up(volts)
-        return False
+
+    @property
+    def present(self) -> bool:
+        """Whether a driver is there."""
+        return self._left is None
+
+    def compiled(self) -> tuple[object, np.ndarray]:
+        """Callback and memory (hamr_controller.answers) that answer as `answer` does, but for the patience."""
+        return (answers.over_the_bus(), self._reals) if self.present else (answers.by_plan(), _NEUTRAL)
 
     def give_up(self, volts: np.ndarray) -> None:
         """Count the driver as absent; fills volts (8,) with the neutral voltage."""
-        if self._left is None:
+        if self.present:
             self._left = self._mark()
         volts[:] = NEUTRAL_VOLT
 
     @property
     def driver_name(self) -> str:
         """The driver that joined last, for messages."""
-        return f"driver (process {_word(self._words, bus.DRIVER_PID_WORD)})"
+        return f"The driver (process {_word(self._words, bus.DRIVER_PID_WORD)})"
 
     def finish(self, volts: np.ndarray) -> None:
         """The period is over; the driver has seen its voltages."""
@@ -123,6 +133,7 @@ class DriverEnd:
     """The driver's end: connects to the bus of a run while its simulator lives, and joins when the driver is ready to answer."""
 
     def __init__(self, run: str):
+        bus.warm_up()
         self._path = bus_path(run)
         self._file: BusFile | None = None
         self.joined = False

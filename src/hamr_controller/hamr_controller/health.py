@@ -7,7 +7,8 @@ from collections.abc import Callable
 from enum import IntEnum
 from time import monotonic
 
-FRESH_S = 5.0  # how long a refusal keeps the status at WARN
+FRESH_S = 5.0  # how long a refusal stays in the status
+_BURST = 10  # refusals told to the log, and kept for the status, in that time
 
 
 class Level(IntEnum):
@@ -32,16 +33,23 @@ class Health:
         self.counts: Counter[str] = Counter()
         self._log, self._clock = log, clock
         self._states: dict[str, tuple[Level, str]] = {}
-        self._refusal = ""
-        self._refused_at = -FRESH_S
+        self._refusals: dict[str, float] = {}  # sentence -> when it was last refused
 
     def refuse(self, sentence: str) -> None:
-        """An input was refused. The same sentence in a row is logged once while it is fresh."""
-        fresh = self._clock() - self._refused_at < FRESH_S
-        if not (fresh and sentence == self._refusal):
-            self._log(Level.WARN, sentence)
+        """An input was refused. A sentence is logged once while it is fresh, and no more than a few in that time."""
         self.counts["refused"] += 1
-        self._refusal, self._refused_at = sentence, self._clock()
+        known = self._fresh()
+        if sentence in known:
+            known[sentence] = self._clock()
+        elif len(known) < _BURST:
+            known[sentence] = self._clock()
+            self._log(Level.WARN, sentence)
+
+    def _fresh(self) -> dict[str, float]:
+        """The refusals that still count."""
+        now = self._clock()
+        self._refusals = {sentence: at for sentence, at in self._refusals.items() if now - at < FRESH_S}
+        return self._refusals
 
     def state(self, topic: str, level: Level, sentence: str) -> None:
         """Something is as it is until said otherwise: logged when it changes. An OK state is told in the log, not in the status."""
@@ -53,12 +61,9 @@ class Health:
     def status(self) -> tuple[Level, str, dict[str, str]]:
         """Worst level, its sentences, and all figures and counts as text."""
         told = [state for state in self._states.values() if state[0] > Level.OK]
-        if self._clock() - self._refused_at < FRESH_S:
-            told.append((Level.WARN, self._refusal))
+        told += [(Level.WARN, sentence) for sentence in self._fresh()]
         level = max((level for level, _ in told), default=Level.OK)
         values = {**self.figures, **self.counts}
-        if self._refusal:
-            values["last refused"] = self._refusal
         return level, " ".join(sentence for _, sentence in told) or "ok", {name: _text(value) for name, value in values.items()}
 
 

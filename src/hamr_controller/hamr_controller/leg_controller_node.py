@@ -54,7 +54,7 @@ class LegControllerNode:
     """Wires a LegController to topics and bus.
 
     Attributes:
-        controller: the driver.
+        driver: the controller itself.
         end: its end of the bus.
     """
 
@@ -64,7 +64,7 @@ class LegControllerNode:
         self._publishers = Publishers(node, [Topic.SERVO_VOLTAGES])
         targets = Targets(lockstep=parameters.lockstep, patience_s=parameters.target_patience, age_s=parameters.target_age)
         messages = VoltageMessages(parameters.samples_per_frame)
-        self.controller = LegController(
+        self.driver = LegController(
             targets,
             parameters.gains,
             self._diagnostics.health,
@@ -78,30 +78,34 @@ class LegControllerNode:
         """Drive the bus until the process is to stop."""
         DrivingLoop(
             self.end,
-            self.controller,
+            self.driver,
             self._spinner,
             self._diagnostics,
             self._publishers,
-            ready=self._ready,
+            ready=self.ready,
             lossless=RECORDER in self._awaited,
         ).run()
 
     def _hear(self, message: JointState) -> None:
         stamp = message.header.stamp
-        self.controller.hear(message.name, message.position, stamp.sec * 10**9 + stamp.nanosec, self.end.newest_period)
+        self.driver.hear(message.name, message.position, stamp.sec * 10**9 + stamp.nanosec, self.end.newest_period)
 
     def _set(self, parameters: Parameters) -> None:
-        self.controller.gains = parameters.gains
+        self.driver.gains = parameters.gains
 
-    def _ready(self) -> bool:
+    def ready(self) -> bool:
+        """Whether the controller may begin: all that it waits for is there."""
         if RECORDER in self._awaited and not self._publishers.recorder_listens():
             return False
-        return TARGETS not in self._awaited or self.controller.following
+        return TARGETS not in self._awaited or self.driver.following
+
+
+make = LegControllerNode
 
 
 def main() -> None:
     """The executable."""
-    run_node("leg_controller", Parameters, LegControllerNode)
+    run_node("leg_controller", Parameters, make)
 
 
 if __name__ == "__main__":

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from hamr_bags import frames
+from hamr_bags.cdr import string
 from hamr_bags.layout import Frame
+from hamr_bags.run_info import RunInfo
+from hamr_description import urdf
 from hamr_description.names import JOINTS, Topic
 from hamr_description.rates import SUBSTEPS
 
-#: Rows of an engine's sample (architecture.md, ROWS).
+#: Rows of an engine's sample (architecture.md, ROWS), their number, and the length of its base state.
 POSITION, VELOCITY, DEFLECTION, DEFLECTION_RATE, TORQUE, FORCE, ACCELERATION = range(7)
-ROWS = 7
+ROWS, BASE_SIZE = 7, 13
 
 
 class StateMessages:
@@ -74,6 +77,19 @@ class TargetMessages:
         self._frame.numbers["position"][:] = target
         self._frame.stamp(time_ns)
         return bytes(self._frame)
+
+
+def announcements(engine, samples_per_frame: int, seed: int, excitation: dict) -> dict[str, bytes]:
+    """Topic -> message of what a simulator says once: /run_info and /robot_description."""
+    info = RunInfo.of_simulation(
+        environment=engine.environment,
+        samples_per_frame=samples_per_frame,
+        backend=engine.backend,
+        engine=engine.engine,
+        seed=seed,
+        excitation=excitation,
+    )
+    return {Topic.RUN_INFO: string(info.to_json()), Topic.ROBOT_DESCRIPTION: string(urdf.build())}
 
 
 def _stamped(time_ns: int, messages: dict[str, Frame]) -> dict[str, bytes]:

@@ -11,8 +11,10 @@ from hamr_description.rates import SUBSTEPS
 
 from .law import NEUTRAL_VOLT, Gains, signed_law
 
-_NEUTRAL_FEED = np.full((SUBSTEPS, len(JOINTS)), NEUTRAL_VOLT)
-_NONE = np.zeros(len(JOINTS))
+JOINT_COUNT = len(JOINTS)
+PLAN_FEED = SUBSTEPS * JOINT_COUNT  # numbers of the feed in `Plan.memory`
+_NEUTRAL_FEED = np.full((SUBSTEPS, JOINT_COUNT), NEUTRAL_VOLT)
+_NONE = np.zeros(JOINT_COUNT)
 for _array in (_NEUTRAL_FEED, _NONE):
     _array.setflags(write=False)
 
@@ -51,3 +53,8 @@ class Plan:
     def answer(self, k: int, sample: np.ndarray, volts: np.ndarray) -> None:
         """Fill the voltages (8,) for sample k, rows (., 8) SI."""
         signed_law(self.feed[k], self.target, sample[0], sample[1], self.kp, self.kd, volts)
+
+    @property
+    def memory(self) -> np.ndarray:
+        """All numbers in one array, feed first, for compiled code."""
+        return np.concatenate([self.feed.ravel(), self.target, self.kp, self.kd])

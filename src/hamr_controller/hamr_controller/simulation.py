@@ -11,10 +11,11 @@ import numpy as np
 from hamr_description.names import JOINTS
 from hamr_description.rates import SUBSTEPS, TARGET_NS
 
+from . import answers
 from .bus_ends import Reply
-from .messages import ROWS
+from .law import NEUTRAL_VOLT
+from .messages import BASE_SIZE, ROWS
 
-_BASE = 13  # position, quaternion, linear and angular velocity
 _LAG_S = 0.1  # wall time behind schedule that is given up
 
 
@@ -23,10 +24,12 @@ class End(Protocol):
 
     waits: bool  # whether poll waits by itself
     driver_name: str
+    present: bool  # whether a driver answers
 
     def offer(self, period: int, sample: np.ndarray) -> None: ...
     def poll(self, volts: np.ndarray) -> Reply: ...
-    def answer(self, k: int, sample: np.ndarray, volts: np.ndarray) -> bool: ...
+    def answer(self, k: int, sample: np.ndarray, volts: np.ndarray) -> None: ...
+    def compiled(self) -> tuple[object, np.ndarray]: ...
     def give_up(self, volts: np.ndarray) -> None: ...
     def finish(self, volts: np.ndarray) -> None: ...
     def close(self) -> None: ...
@@ -48,8 +51,19 @@ class Simulation:
         self.period = 0
         self.samples = np.zeros((SUBSTEPS, ROWS, len(JOINTS)))
         self.volts = np.zeros((SUBSTEPS, len(JOINTS)))
-        self.base = np.zeros(_BASE)
-        engine.reset(seed)
+        self.base = np.zeros(BASE_SIZE)
+        self._compiled = getattr(engine, "servo_period", None)  # see hamr_controller.answers
+        self._warm_up()
+
+    def _warm_up(self) -> None:
+        """Whatever the engine compiles at its first step belongs before the first period."""
+        self.engine.measure(self.samples[0])
+        self.engine.base(self.base)
+        self.engine.substep(np.full(len(JOINTS), NEUTRAL_VOLT))
+        if self._compiled:
+            self._compiled(answers.over_the_bus(), np.zeros(0), self.samples, self.volts, SUBSTEPS)
+            self._compiled(answers.by_plan(), np.zeros(0), self.samples, self.volts, SUBSTEPS)
+        self.engine.reset(self._seed)
 
     @property
     def time_ns(self) -> int:
@@ -66,18 +80,23 @@ class Simulation:
         """Offer the state to the driver."""
         self.end.offer(self.period, self.samples[0])
 
-    def run(self) -> bool:
-        """The 80 substeps of the period; `volts[0]` is there (see End.poll). Whether a driver answered every sample."""
-        engine, answer, samples, volts = self.engine, self.end.answer, self.samples, self.volts
-        answered = True
+    def run(self) -> None:
+        """The 80 substeps of the period; `volts[0]` is there (see End.poll)."""
+        engine, end, samples, volts = self.engine, self.end, self.samples, self.volts
         engine.substep(volts[0])
-        for k in range(1, SUBSTEPS):
-            engine.measure(samples[k])
-            answered = answer(k, samples[k], volts[k])
+        k = 1
+        while k < SUBSTEPS:
+            if self._compiled:
+                k = self._compiled(*end.compiled(), samples, volts, k)
+                if k == SUBSTEPS:
+                    break
+            else:
+                engine.measure(samples[k])
+            end.answer(k, samples[k], volts[k])
             engine.substep(volts[k])
-        self.end.finish(volts)
+            k += 1
+        end.finish(volts)
         self.period += 1
-        return answered
 
     def reset(self) -> None:
         """Start anew from the initial state. The clock goes on and leaves a period out, so that everyone sees the cut."""

@@ -10,6 +10,7 @@ from hamr_controller.ros.parameters import parameter
 from hamr_controller.ros.process import Spinner, run_node
 from hamr_controller.ros.simulator import SimulatorNode
 from hamr_controller.ros.simulator_parameters import SimulatorParameters
+from hamr_controller.simulation import End
 
 from .engines import make_engine
 
@@ -22,13 +23,13 @@ class Parameters(SimulatorParameters):
     backend: str = parameter("", "simple, simple_published or residual; empty for what 'residual' says")
 
 
-def make(node: Node, parameters: Parameters, spinner: Spinner) -> SimulatorNode:
-    """The node with its robot."""
+def make(node: Node, parameters: Parameters, spinner: Spinner, end: End | None = None) -> SimulatorNode:
+    """The node with its robot; see SimulatorNode."""
     p = parameters
     engine = make_engine(
         backend=p.backend, engine=p.engine, environment=p.environment, friction=p.friction, residual=p.residual, seed=p.seed
     )
-    return SimulatorNode(node, p, spinner, engine)
+    return SimulatorNode(node, p, spinner, engine, end)
 
 
 def main() -> None:

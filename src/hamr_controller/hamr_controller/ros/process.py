@@ -5,8 +5,9 @@ from __future__ import annotations
 import ctypes
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import Protocol, TypeVar
 
 import rclpy
@@ -14,6 +15,7 @@ from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
@@ -78,9 +80,10 @@ def spinning() -> Iterator[Spinner]:
         rclpy.try_shutdown()
 
 
-def new_node(name: str, kind: type[P]) -> tuple[Node, P]:
-    """A node with its parameters as `parameters.load` reads them."""
-    node = Node(name, automatically_declare_parameters_from_overrides=True)
+def new_node(name: str, kind: type[P], given: Mapping[str, object] = MappingProxyType({})) -> tuple[Node, P]:
+    """A node with its parameters as `parameters.load` reads them; `given` ones count like those of the command line."""
+    overrides = [Parameter(key, value=value) for key, value in given.items()]
+    node = Node(name, parameter_overrides=overrides, automatically_declare_parameters_from_overrides=True)
     return node, parameters.load(node, kind, sys.argv)
 
 

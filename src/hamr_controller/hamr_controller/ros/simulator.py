@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from time import monotonic
 
 import numpy as np
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from hamr_bags.cdr import string
-from hamr_bags.run_info import RunInfo
-from hamr_description import urdf
 from hamr_description.names import Topic
 from hamr_description.rates import TARGET_MS
 
 from ..bus_ends import Reply, SimulatorEnd
 from ..health import Level
-from ..messages import StateMessages
+from ..messages import StateMessages, announcements
 from ..simulation import End, Pace, Simulation
 from .parameters import follow
 from .ports import Diagnostics, Publishers
@@ -56,7 +54,7 @@ class SimulatorNode:
         self._driven = False  # whether a driver was ever there
         self._state: dict[str, bytes] = {}
         self._servo: dict[str, bytes] = {}
-        self._served = self._reported = monotonic()
+        self._began = self._served = self._reported = monotonic()
         self._reported_period = 0
         node.create_service(Trigger, "~/reset", self._on_reset)
         node.create_service(Trigger, "~/step", self._on_step)
@@ -68,7 +66,7 @@ class SimulatorNode:
         try:
             self._announce()
             self._await_recorder()
-            while not self._spinner.stopping and self._simulation.period != self._parameters.periods:
+            while not self._spinner.stopping and self._simulation.period < self._parameters.periods:
                 self._observe()
                 if self._may_run():
                     self._run_period()
@@ -78,20 +76,22 @@ class SimulatorNode:
             self._send(self._servo)
         finally:
             self._end.close()
+        if self._parameters.report:
+            Path(self._parameters.report).write_text(json.dumps(self.summary()))
         self._publishers.settle(_SETTLE_S)
 
+    def summary(self) -> dict:
+        """How the run went: simulated_s, wall_s, real_time_factor, counts."""
+        simulated = self._simulation.time_ns / 1e9
+        wall = monotonic() - self._began
+        counts = {**self._health.counts, **self._simulation.engine.counters()}
+        return {"simulated_s": simulated, "wall_s": wall, "real_time_factor": simulated / wall, "counts": counts}
+
     def _announce(self) -> None:
-        parameters, engine = self._parameters, self._simulation.engine
-        info = RunInfo.of_simulation(
-            environment=engine.environment,
-            samples_per_frame=parameters.samples_per_frame,
-            backend=engine.backend,
-            engine=engine.engine,
-            seed=parameters.seed,
-            excitation=json.loads(parameters.excitation or "{}"),
-        )
-        self._latched.send(Topic.RUN_INFO, string(info.to_json()))
-        self._latched.send(Topic.ROBOT_DESCRIPTION, string(urdf.build()))
+        p = self._parameters
+        said = announcements(self._simulation.engine, p.samples_per_frame, p.seed, json.loads(p.excitation or "{}"))
+        for topic, raw in said.items():
+            self._latched.send(topic, raw)
 
     def _await_recorder(self) -> None:
         while RECORDER in self._parameters.awaited and not self._publishers.recorder_listens() and not self._spinner.stopping:
@@ -145,17 +145,20 @@ class SimulatorNode:
     def _note_driver(self, there: bool) -> None:
         self._driven |= there
         if there:
-            self._health.state("driver", Level.OK, f"The {self._end.driver_name} drives.")
+            self._health.state("driver", Level.OK, f"{self._end.driver_name} drives.")
         elif self._driven:
-            self._health.state("driver", Level.WARN, f"The {self._end.driver_name} is gone or silent: neutral voltage until one joins.")
+            self._health.state("driver", Level.WARN, f"{self._end.driver_name} is gone or silent: neutral voltage until one joins.")
         else:
             self._health.state("driver", Level.WARN, "No driver on the servo bus: neutral voltage.")
 
     def _run_period(self) -> None:
         time_ns = self._simulation.time_ns
+        if time_ns == 0:
+            self._began = monotonic()
         self._pace.advance()
         self._steps = max(0, self._steps - 1)
-        if not self._simulation.run():
+        self._simulation.run()
+        if not self._end.present:
             self._health.counts["periods at neutral voltage"] += 1
             self._note_driver(False)
         self._servo = self._messages.servo(time_ns, self._simulation.samples)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from math import inf
 from typing import ClassVar
 
 from hamr_bags.run_info import ENVIRONMENTS
@@ -26,12 +27,12 @@ class SimulatorParameters(BusParameters):
     engine: str = parameter("kernel", "kernel or mujoco")
     environment: str = parameter("ground", "ground or suspended")
     friction: float = parameter(_FRICTION.value, "friction coefficient of the ground")
-    effects: str = parameter("", "effects file; empty for none")
     seed: int = parameter(0, "seed of every reset")
     real_time_factor: float = parameter(1.0, "sim time over wall time; 0 for as fast as possible", live=True)
     duration: float = parameter(0.0, "s of sim time after which the node ends; 0 for never")
     driver_patience: float = parameter(2.0, "longest wait for a driver that is on the bus, s of wall time")
     excitation: str = parameter("", "parameters of the excitation that drives, JSON, for /run_info")
+    report: str = parameter("", "file for a report at the end, JSON: simulated_s, wall_s, real_time_factor, counts; empty for none")
 
     def __post_init__(self) -> None:
         BusParameters.__post_init__(self)
@@ -49,6 +50,6 @@ class SimulatorParameters(BusParameters):
             raise ConfigError(f"excitation is {self.excitation!r}; it must be a JSON object.") from None
 
     @property
-    def periods(self) -> int | None:
-        """Periods to simulate; None for no end."""
-        return round(self.duration * TARGET_HZ) or None
+    def periods(self) -> float:
+        """Periods to simulate; infinite for no end."""
+        return round(self.duration * TARGET_HZ) or inf
