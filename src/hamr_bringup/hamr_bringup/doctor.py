@@ -1,4 +1,4 @@
-"""What this machine lacks for HAMR, and how to get it. Standard library only, so that it works where little else does."""
+"""What this machine lacks for HAMR, and how to get it. It starts with the standard library alone, so it works where little else does."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from importlib import metadata, util
 from pathlib import Path
 from random import randrange
@@ -27,6 +28,7 @@ def rows() -> list[dict]:
         _round_trip(),
         _tool("ros2", "without it, hamr run and hamr up do its part"),
         _tool("colcon", "needed for make ros only; " + INSTALL),
+        _kernels(),
         _encoder(),
         _cores(),
     ]
@@ -106,6 +108,18 @@ def _round_trip() -> dict:
 def _tool(name: str, advice: str) -> dict:
     found = shutil.which(name) or shutil.which(name, path=str(Path(sys.executable).parent))
     return _row(name, True, found or "absent", "" if found else advice)
+
+
+def _kernels() -> dict:
+    """Where compiled kernels are kept between starts; a temporary folder does, but is lost at the next boot."""
+    try:
+        from hamr_dynamics.kernels import cache_folder
+
+        folder = cache_folder()
+    except (ImportError, OSError) as error:
+        return _row("kernel cache", False, error, INSTALL)
+    temporary = folder.is_relative_to(tempfile.gettempdir())
+    return _row("kernel cache", True, folder, "set HAMR_CACHE to a folder that stays, to compile only once" if temporary else "")
 
 
 def _encoder() -> dict:
