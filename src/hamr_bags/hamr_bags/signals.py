@@ -163,7 +163,7 @@ class Steps:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mix:
-    """Noise, trot, pronk, triangle and steps one after the other, `seconds` / 5 each, every one from neutral."""
+    """Noise (standard deviation `amplitude`), trot, pronk, triangle and steps one after the other, `seconds` / 5 each."""
 
     kind: ClassVar[str] = "mix"
     seconds: float = 5.0
@@ -173,7 +173,7 @@ class Mix:
     def deviation(self) -> np.ndarray:
         part, size = self.seconds / 5, {"amplitude": self.amplitude}
         parts = [
-            Noise(seconds=part, seed=self.seed),
+            Noise(seconds=part, seed=self.seed, std=self.amplitude),
             Trot(seconds=part, **size),
             Pronk(seconds=part, **size),
             Triangle(seconds=part, **size),

@@ -20,10 +20,10 @@ def suspicious(topic: str, values: np.ndarray) -> Iterator[str]:
         yield f"{topic}: {JOINTS[j]} never changes"
     if topic == Topic.SERVO_VOLTAGES:
         low, high = value("actuator.ground_voltage"), value("actuator.bias_voltage")
-        share, allowed, where = ((values <= low) | (values >= high)).mean(axis=0), SATURATED, f"at {low:g} or {high:g} V"
+        count, allowed, where = ((values <= low) | (values >= high)).sum(axis=0), SATURATED, f"at {low:g} or {high:g} V"
     elif topic == Topic.SERVO_ACTUATORS:
-        share, allowed, where = (np.abs(values) >= length_to_si(value("actuator.stop"))).mean(axis=0), 0.0, "at an end stop"
+        count, allowed, where = (np.abs(values) >= length_to_si(value("actuator.stop"))).sum(axis=0), 0.0, "at an end stop"
     else:
         return
-    for j in np.flatnonzero(share > allowed):
-        yield f"{topic}: {JOINTS[j]} is {where} in {share[j]:.1%} of the samples"
+    for j in np.flatnonzero(count > allowed * len(values)):
+        yield f"{topic}: {JOINTS[j]} is {where} in {count[j]} of {len(values)} samples"
