@@ -1,0 +1,51 @@
+"""One end of a servo bus as a process of its own: bus_peer.py driver|simulator RUN VOLTS; says what happens, line by line."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from hamr_controller.bus_ends import DriverEnd, Progress, Reply, SimulatorEnd
+from hamr_controller.plan import Plan
+
+
+def say(*words: object) -> None:
+    sys.stdout.write(" ".join(map(str, words)) + "\n")
+    sys.stdout.flush()
+
+
+def driver(run: str, volts: float) -> None:
+    """Holds a voltage in every period, whatever simulator comes."""
+    end, out, plan = DriverEnd(run), np.zeros((80, 8)), Plan.open_loop(np.full((80, 8), volts))
+    while True:
+        if not end.joined:
+            if not end.connect():
+                continue
+            end.join()
+            say("joined")
+        period = end.next_period()
+        if period is None:
+            continue
+        while (progress := end.drive(period, plan, out)) is Progress.PENDING:
+            pass
+        say(progress.name, period)
+
+
+def simulator(run: str, volts: float) -> None:
+    """Offers period after period; the sample that driver answers holds the period's number."""
+    end, sample, out = SimulatorEnd(run, patience_s=0.1), np.zeros((7, 8)), np.zeros(8)
+    say("made")
+    period = 0
+    while True:
+        end.offer(period, sample)
+        while (reply := end.poll(out)) is Reply.WAITING:
+            pass
+        for k in range(1, 80):
+            end.answer(k, sample, out)
+        say(reply.name, period, out[0])
+        period += 1
+
+
+if __name__ == "__main__":
+    {"driver": driver, "simulator": simulator}[sys.argv[1]](sys.argv[2], float(sys.argv[3]))
