@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -157,6 +158,21 @@ def test_not_a_number_is_found(source, tmp_path):
 
     wrong = failed(record(tmp_path / "bag", altered(source, Topic.SERVO_ACTUATORS, break_it)))
     assert wrong == {"/servo/actuators numbers": "not finite in 1 places, first at 3.009000 s"}
+
+
+@pytest.mark.parametrize("seconds", ["12", None, float("nan"), [1]])
+def test_a_plan_that_is_no_number_is_no_plan(source, tmp_path, seconds):
+    info = json.dumps(json.loads(source.info().to_json()) | {"excitation": {"seconds": seconds}})
+    assert check(foreign(tmp_path / "bag", source, info=info)).ok
+
+
+@pytest.mark.parametrize(("names", "points", "said"), [(JOINTS, 0, "without samples"), (JOINTS[::2], 3, "lacks joint fl_lift")])
+def test_frames_that_cannot_be_read_are_named_with_their_topic(tmp_path, names, points, said):
+    with BagWriter(tmp_path / "bag") as writer:
+        raw = trajectory(0, names, np.arange(points), {"positions": np.zeros((points, len(names)))})
+        writer.write(Topic.SERVO_JOINTS, raw, 0)
+    with pytest.raises(BagError, match=f"bag, /servo/joints: .*{said}"):
+        check(tmp_path / "bag")
 
 
 def test_a_bag_of_other_things_is_refused(tmp_path):

@@ -14,6 +14,7 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from hamr_bags.check import check
+from hamr_bags.info import info
 from hamr_bags.reader import MEASURABLE, base_pose, channels, joint_states, load, run_info
 from hamr_bags.recording import digest
 from hamr_bags.run_info import RunInfo
@@ -316,6 +317,40 @@ class TestBadBags:
         file.write_bytes(whole[: cut % len(whole)])
         with pytest.raises(BagError, match="hamr bag repair"):
             load(file)
+
+    @given(place=st.integers(0, 10**6), content=st.binary(min_size=1, max_size=12))
+    @settings(max_examples=60, deadline=None)
+    def test_damaged_anywhere_is_read_or_refused(self, bag, tmp_path_factory, place, content):
+        whole = bytearray(next(bag.glob("*.mcap")).read_bytes())
+        place %= len(whole)
+        whole[place : place + len(content)] = content
+        file = tmp_path_factory.mktemp("damaged") / "damaged.mcap"
+        file.write_bytes(whole)
+        read_or_refuse(file)
+
+    @given(topic=st.sampled_from(SERVO), place=st.integers(0, 10**4), content=st.binary(min_size=1, max_size=12), cut=st.booleans())
+    @settings(max_examples=60, deadline=None)
+    def test_damaged_messages_are_read_or_refused(self, source, tmp_path_factory, topic, place, content, cut):
+        out = tmp_path_factory.mktemp("messages") / "bag"
+        with BagWriter(out) as writer:
+            for name in SERVO:
+                names = JOINTS if name == Topic.SERVO_JOINTS else ACTUATORS
+                for k in range(3):
+                    raw = bytearray(trajectory(k * 4_000_000, names, np.arange(4) * 1_000_000, source.frame(name, k)))
+                    if (name, k) == (topic, 1):
+                        start = place % len(raw)
+                        raw[start : len(raw) if cut else start + len(content)] = content
+                    writer.write(name, bytes(raw), k * 4_000_000)
+        read_or_refuse(out)
+
+
+def read_or_refuse(bag):
+    """Every way to look at a bag either works or says one sentence."""
+    for look in (load, check, info, channels):
+        try:
+            look(bag)
+        except BagError as error:
+            assert "\n" not in str(error)
 
 
 class TestRunInfo:

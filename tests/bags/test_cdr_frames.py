@@ -152,8 +152,14 @@ def test_bytes_made_by_rclpy_decode():
 )
 def test_wrong_joints_are_named(names, said):
     raw = cdr(JOINT_STATE, header(0), list(names), np.zeros(len(names)), np.zeros(0), np.zeros(0))
-    with pytest.raises(BagError, match=said):
-        Decoder(JOINT_STATE, JOINTS)(raw)
+    good = cdr(JOINT_STATE, header(0), list(JOINTS), np.zeros(8), np.zeros(0), np.zeros(0))
+    read = Decoder(JOINT_STATE, JOINTS)
+    for _ in range(2):  # the second like the first, and good ones in between
+        with pytest.raises(BagError, match=said):
+            read(raw)
+        with pytest.raises(BagError, match=said):
+            read(raw)
+        assert read(good)["position"].shape == (8,)
 
 
 def test_a_missing_value_is_named():

@@ -102,14 +102,17 @@ def _series(opened: Bag, topic: str) -> _Series:
     logged, raws = opened.raws(topic)
     stamps, points = np.zeros(len(raws), np.int64), np.zeros(len(raws), int)
     times, values = [None] * len(raws), [None] * len(raws)
-    for indices, numbers in decode_all(raws, TYPES[topic], SERVO_NAMES[topic]):
-        if _WATCHED[topic] not in numbers:
-            raise BagError(f"{opened.path}, {topic}: there are messages without '{_WATCHED[topic]}'; record it.")
-        stamps[indices] = numbers["stamp"]
-        points[indices] = numbers["time_from_start"].shape[1]
-        for row, i in enumerate(indices):
-            times[i] = numbers["stamp"][row] + numbers["time_from_start"][row]
-            values[i] = numbers[_WATCHED[topic]][row]
+    try:
+        for indices, numbers in decode_all(raws, TYPES[topic], SERVO_NAMES[topic]):
+            if _WATCHED[topic] not in numbers:
+                raise BagError(f"there are messages without '{_WATCHED[topic]}' or without samples; record them.")
+            stamps[indices] = numbers["stamp"]
+            points[indices] = numbers["time_from_start"].shape[1]
+            for row, i in enumerate(indices):
+                times[i] = numbers["stamp"][row] + numbers["time_from_start"][row]
+                values[i] = numbers[_WATCHED[topic]][row]
+    except BagError as error:
+        raise BagError(f"{opened.path}, {topic}: {error}") from None
     return _Series(stamps, np.array(logged), points, np.concatenate(times), np.concatenate(values))
 
 
@@ -139,8 +142,9 @@ def _servo_rows(topic: str, found: _Series, info: RunInfo | None) -> Iterator[Ro
     step = NS / info.sample_hz if info else float(np.median(np.diff(found.times))) if found.times.size > 1 else float(TARGET_NS)
     yield from _steps(topic, found.times, step)
     seconds = (found.times.max() - found.times.min() + step) / 1e9
-    if info and "seconds" in info.excitation:
-        seconds = round(info.excitation["seconds"] * TARGET_HZ) / TARGET_HZ  # whole periods, as the excitation was made
+    planned = info.excitation.get("seconds") if info else None
+    if isinstance(planned, int | float) and np.isfinite(planned):
+        seconds = round(planned * TARGET_HZ) / TARGET_HZ  # whole periods, as the excitation was made
     expected = round(seconds * 1e9 / step)
     rate = f"{seconds:.6g} s at {1e9 / step:.6g} Hz"
     yield Row(f"{topic} count", found.times.size == expected, f"{found.times.size} samples, {expected} expected ({rate})")

@@ -47,8 +47,9 @@ class Decoder:
         """Numbers by field, joints along the last axis; `stamp` and `time_from_start` are int64 ns. BagError if it does not fit."""
         if self._layout is None or not self._layout.fits([raw])[0]:
             message = deserialize(raw, self._msgtype)
-            self._layout = layout_of(message)
-            self._order = _columns(self._layout, self._joints)
+            layout = layout_of(message)
+            self._order = _columns(layout, self._joints)
+            self._layout = layout  # not before its joints are known to be right, or the next such message would pass
             raw = serialize(message, self._msgtype)
         return _arrange(self._layout.views(raw), self._order)
 
