@@ -20,8 +20,7 @@ _RAMP_S = time_to_si(value("excitation.ramp"))
 _SECONDS = time_to_si(value("excitation.duration"))
 _STD = value("excitation.std")
 _BAND_HZ = value("excitation.band_hz")
-# Speed-check script of the source (facts, section 5): 60 Hz, 50 V, ramp of 2 cycles.
-_GAIT_HZ, _GAIT_V, _RAMP_CYCLES = 60.0, 50.0, 2.0
+_GAIT_HZ, _GAIT_V, _RAMP_CYCLES = (value(f"excitation.gait_{name}") for name in ("hz", "amplitude", "ramp_cycles"))
 _STEP_HOLD_S = 0.02
 
 
