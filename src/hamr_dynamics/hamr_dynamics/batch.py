@@ -232,7 +232,7 @@ class BatchSim:
         return {"q": rows[0] * SIGN, "qd": rows[1] * SIGN, "volts": rows[2] * DRIVE_SIGN + value("actuator.neutral_voltage")}
 
     def observe(self, volts) -> Mapping[str, np.ndarray]:
-        """What volts (n, 8) V do: tip mm, tip_rate mm/ms, tip_force N (along +y of the chassis) and torque N mm of the drive, (n, 8) each."""
+        """At volts (n, 8) V: tip mm, tip_rate mm/ms, tip_force N (along +y of the chassis) and torque N mm of the drive, (n, 8) each."""
         drive = np.zeros_like(self._state[:, : 2 * 4 * self.block])
         self._set8(drive, stages.DRIVE, "drive", (np.asarray(volts, float) - value("actuator.neutral_voltage")) * DRIVE_SIGN)
         self._module.look(self._state, drive, self._param, self._weights, self._seen)

@@ -1,7 +1,8 @@
 """Turns a traced graph into the source of a compiled loop over lanes.
 
 Each array is flat: row r of lane e lies at r * L + e with L a literal, so that the loop over lanes has a straight-line body
-on unit strides and LLVM makes vectors of it.
+on unit strides and LLVM makes vectors of it. Values are computed just before they are used and stored as soon as they are
+known: what does not fit the registers goes through memory, and that costs more than the arithmetic.
 """
 
 from __future__ import annotations
@@ -65,34 +66,44 @@ class Stage:
 
 
 def loop_source(stage: Stage, lanes: int) -> str:
-    """Python source of `def NAME(inputs..., outputs...)`: the stage over all lanes. Needs U, sqrt, real, ONE and ZERO in scope."""
+    """Python source of `def NAME(inputs..., outputs...)`: the stage over all lanes, each array an argument."""
+    return f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):\n" + loop_body(stage, lanes)
+
+
+def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None, indent: int = 4) -> str:
+    """Python source of the stage over all lanes. Needs U, sqrt, real, ONE and ZERO in scope.
+
+    Args:
+        work: array -> where its first row begins in one flat array `work` that holds them all; without it, arrays go by their own
+            names. In one array the compiler knows what overlaps; with several it tests at run time every pair of rows, which can
+            cost more than the stage. In `work`, outputs may lie on inputs.
+        indent: spaces before each line.
+    """
     graph, constants = stage.graph, {}
 
     def at(array: str, row: int) -> str:
-        return f"{array}[U({row * lanes})+e]"
+        lane = "" if array in stage.uniform else "+e"
+        place = row if array in stage.uniform else row * lanes
+        return f"{array}[U({place}){lane}]" if work is None else f"work[U({work[array] + place}){lane}]"
 
-    def constant(x: float) -> str:
-        return constants.setdefault(repr(float(x)), f"c{len(constants)}")
+    def name(a) -> str:
+        return f"{stage.name}_{a}" if isinstance(a, int) else constants.setdefault(repr(float(a)), f"{stage.name}_c{len(constants)}")
 
-    def operand(a) -> str:
-        return f"t{a}" if isinstance(a, int) else constant(a)
-
-    rows = [(array, i, row) for array, names in stage.inputs.items() for i, row in enumerate(names)]
-    varying = {f"{array}.{row}": at(array, i) for array, i, row in rows if array not in stage.uniform}
-    same = {f"{array}.{row}": f"{array}[{i}]" for array, i, row in rows if array in stage.uniform}
-    before, body = [], []
-    for i in graph.needed(stage.values.values()):
-        op, args = graph.nodes[i]
-        if op == "input" and args[0] in same:
-            before.append(f"t{i} = {same[args[0]]}")
-        else:
-            body.append(f"t{i} = " + (varying[args[0]] if op == "input" else _FORMAT[op].format(*map(operand, args))))
+    sources = {f"{array}.{row}": at(array, i) for array, names in stage.inputs.items() for i, row in enumerate(names)}
+    stores: dict[int | float, list[str]] = {}
     for array, names in stage.outputs.items():
         for i, row in enumerate(names):
             value = stage.values[array, row]
-            body.append(f"{at(array, i)} = {operand(value.index) if isinstance(value, Var) else constant(value)}")
-    lines = [f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):"]
-    lines += [f"    {name} = real({text})" for text, name in constants.items()]
-    lines += [f"    {line}" for line in before]
-    lines += [f"    for i in range({lanes}):", "        e = U(i)", *(f"        {line}" for line in body)]
-    return "\n".join(lines) + "\n"
+            stores.setdefault(value.index if isinstance(value, Var) else float(value), []).append(at(array, i))
+    read = set(sources.values())
+    before, body, last = [], [], []
+    for i in graph.needed(stage.values.values()):
+        op, args = graph.nodes[i]
+        once = op == "input" and args[0].split(".")[0] in stage.uniform
+        (before if once else body).append(f"{name(i)} = " + (sources[args[0]] if op == "input" else _FORMAT[op].format(*map(name, args))))
+        for place in stores.pop(i, ()):  # at once, so that the value need not be kept; but what is still to be read is not overwritten
+            (last if place in read else body).append(f"{place} = {name(i)}")
+    last += [f"{place} = {name(x)}" for x, places in stores.items() for place in places]  # constants
+    before += [f"{name} = real({text})" for text, name in constants.items()]
+    lines = [*before, f"for i in range({lanes}):", "    e = U(i)", *(f"    {line}" for line in body + last)]
+    return "".join(f"{' ' * indent}{line}\n" for line in lines)

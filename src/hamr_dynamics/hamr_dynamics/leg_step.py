@@ -66,10 +66,9 @@ class LegStep:
 def leg_source(plant: Plant, h: float) -> str:
     """Source of the module: step, derivative, loops over blocks."""
     stage = stages.suspended_leg(plant, h)
-    parts = [driver.HEADER.format(plant=plant.name, environment="leg", dtype="float64")]
-    for s in (stage, pullback(stages.suspended_leg(plant, h), ("state", "drive", "param"))):
-        parts.append("\n@jit\n" + loop_source(s, LANES))
-    return "".join([*parts, LOOPS])
+    parts = [stage, pullback(stages.suspended_leg(plant, h), ("state", "drive", "param"))]
+    head = driver.HEADER.format(plant=plant.name, environment="leg", dtype="float64")
+    return "".join([head, *(f"\n@part\n{loop_source(s, LANES)}" for s in parts), LOOPS])
 
 
 def to_blocks(x) -> np.ndarray:

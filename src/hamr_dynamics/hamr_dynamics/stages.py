@@ -54,14 +54,12 @@ REACH = rows(
     jacobian=6, point=3, contact=6, stop=2,
 )  # fmt: skip
 GROUNDED = rows(rhs=6, own=2, force=3)
+RENEWED = {"new_state": "state", "new_base": "base"}  # outputs that take the place of an input
 
 
 def by_leg(names: tuple[str, ...]) -> tuple[str, ...]:
     """Rows of a leg-lane array as a robot lane sees them: row-major, legs inside (name.i of fl rl fr rr)."""
     return tuple(f"{leg}.{name}" for name in names for leg in LEGS)
-
-
-AFTER = BASE + by_leg(INCREMENT)
 
 
 def parameter_rows(plant: Plant) -> tuple[str, ...]:
@@ -253,16 +251,15 @@ def grounded(plant: Plant, h: float) -> Stage:
 
 
 def balance_free(h: float) -> Stage:
-    """Second base solve with the ground's forces; writes the new base, then the increment for each leg."""
+    """Second base solve with the ground's forces: the new base, and its increment for each leg."""
     inputs = {"base": BASE, "pose": POSE, "body": BODY, "reach": by_leg(REACH), "grounded": by_leg(GROUNDED)}
-    # one output array, so that few enough pairs of arrays must be told apart for LLVM to make vectors
-    stage = Stage("balance_free", inputs, {"after": AFTER})
+    stage = Stage("balance_free", inputs, {"new_base": BASE, "free": by_leg(INCREMENT)})
     increment = _balance(stage, "free", h)
     flat = stage.reads("pose", "rows", 9)
     new = finish_base(_base_state(stage), stage.reads("pose", "quaternion", 4), (flat[:3], flat[3:6], flat[6:]), increment, h)
     for name in ("position", "quaternion", "velocity", "omega", "alpha"):
-        stage.write("after", name, getattr(new, name))
-    _write_increment(stage, "after", increment)
+        stage.write("new_base", name, getattr(new, name))
+    _write_increment(stage, "free", increment)
     return stage
 
 

@@ -93,17 +93,18 @@ class Graph:
         return result.index if isinstance(result, Var) else result
 
     def needed(self, outputs: Iterable[Var | float]) -> list[int]:
-        """Indices of the nodes that the outputs depend on, in order of computation."""
-        seen: set[int] = set()
-        stack = [o.index for o in outputs if isinstance(o, Var)]
+        """Indices of the nodes that the outputs depend on; each comes just before its first use, so that few values are alive at a time."""
+        order: dict[int, None] = {}
+        stack = [o.index for o in reversed(list(outputs)) if isinstance(o, Var)]
         while stack:
-            i = stack.pop()
-            if i not in seen:
-                seen.add(i)
-                op, args = self.nodes[i]
-                if op != "input":
-                    stack.extend(a for a in args if isinstance(a, int))
-        return sorted(seen)
+            i = stack[-1]
+            op, args = self.nodes[i]
+            waiting = [a for a in args if isinstance(a, int) and a not in order] if op != "input" and i not in order else []
+            if waiting:
+                stack.extend(reversed(waiting))
+            else:
+                order[stack.pop()] = None
+        return list(order)
 
 
 class Var:
