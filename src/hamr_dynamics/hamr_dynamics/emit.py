@@ -90,20 +90,22 @@ def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None
         return f"{stage.name}_{a}" if isinstance(a, int) else constants.setdefault(repr(float(a)), f"{stage.name}_c{len(constants)}")
 
     sources = {f"{array}.{row}": at(array, i) for array, names in stage.inputs.items() for i, row in enumerate(names)}
-    stores: dict[int | float, list[str]] = {}
+    read = set(sources.values())
+    before, body, last = [], [], []
+    stores: dict[int, list[str]] = {}
     for array, names in stage.outputs.items():
         for i, row in enumerate(names):
             value = stage.values[array, row]
-            stores.setdefault(value.index if isinstance(value, Var) else float(value), []).append(at(array, i))
-    read = set(sources.values())
-    before, body, last = [], [], []
+            if isinstance(value, Var):
+                stores.setdefault(value.index, []).append(at(array, i))
+            else:
+                last.append(f"{at(array, i)} = {name(float(value))}")
     for i in graph.needed(stage.values.values()):
         op, args = graph.nodes[i]
         once = op == "input" and args[0].split(".")[0] in stage.uniform
         (before if once else body).append(f"{name(i)} = " + (sources[args[0]] if op == "input" else _FORMAT[op].format(*map(name, args))))
-        for place in stores.pop(i, ()):  # at once, so that the value need not be kept; but what is still to be read is not overwritten
+        for place in stores.get(i, ()):  # at once, so that the value need not be kept; but what is still to be read is not overwritten
             (last if place in read else body).append(f"{place} = {name(i)}")
-    last += [f"{place} = {name(x)}" for x, places in stores.items() for place in places]  # constants
     before += [f"{name} = real({text})" for text, name in constants.items()]
     lines = [*before, f"for i in range({lanes}):", "    e = U(i)", *(f"    {line}" for line in body + last)]
     return "".join(f"{' ' * indent}{line}\n" for line in lines)
