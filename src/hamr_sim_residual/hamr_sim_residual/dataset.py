@@ -11,17 +11,19 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, LEGS, drive_sign, joint_signs
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_HZ, SERVO_MS
-from hamr_description.units import length_from_si, rate_from_si, time_from_si
+from hamr_description.units import length_from_si, rate_from_si
+from hamr_dynamics.leg_step import LANES, LegStep
 
 from .simple import simple_parameters
 
@@ -70,6 +72,27 @@ class Stretch:
         return self.q.shape[1]
 
 
+@dataclass(frozen=True, slots=True)
+class Windows:
+    """Parts of equal length, one leg each, in blocks of 16 for compiled loops: (blocks, rows * 16) and (blocks, steps, rows * 16).
+
+    Attributes:
+        state0: smoothed state at the start, rows q q v v a a (rad, ms). drive: V from neutral, two rows a step.
+        goal: measured angles after each step, rad. param: parameters of each window's leg (`LegStep.parameters`).
+    """
+
+    state0: np.ndarray
+    drive: np.ndarray
+    goal: np.ndarray
+    param: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.state0)
+
+    def __getitem__(self, blocks: slice) -> Windows:
+        return Windows(self.state0[blocks], self.drive[blocks], self.goal[blocks], self.param[blocks])
+
+
 def stretches(recording: Measured) -> list[Stretch]:
     """The gapless parts of a recording, long enough to differentiate; BagError if it does not fit.
 
@@ -77,12 +100,12 @@ def stretches(recording: Measured) -> list[Stretch]:
     not for steps.
     """
     if recording.environment not in ("suspended", ""):
-        raise BagError(f"A residual is learned from a suspended run, this one is '{recording.environment}': collect one with the chassis fixed.")
+        raise BagError(f"A residual is learned from a suspended run, not '{recording.environment}': collect one with the chassis fixed.")
     if recording.angles.shape[1:] != (len(JOINTS),):
         raise BagError(f"Angles have shape {recording.angles.shape}: they need one column for each of {', '.join(JOINTS)}.")
     ratio = round(SERVO_HZ / recording.sample_hz)
     if ratio < 1 or abs(ratio * recording.sample_hz - SERVO_HZ) > 1e-6 * SERVO_HZ:
-        raise BagError(f"Samples come at {recording.sample_hz} Hz: the simulator's {SERVO_HZ} Hz must be a whole multiple of that.")
+        raise BagError(f"Samples come at {recording.sample_hz} Hz: {SERVO_HZ} Hz must be a whole multiple of that.")
     shortest = 2 * HALF_WIDTHS[0] + 1
     found = [_stretch(recording, piece, ratio) for piece in recording.pieces if piece.stop - piece.start > shortest]
     if not found:
@@ -104,15 +127,15 @@ def _stretch(recording: Measured, piece: slice, ratio: int) -> Stretch:
     drive = by_leg(recording.voltages[piece] - value("actuator.neutral_voltage"), DRIVE_SIGNS)
     inside = _inside(recording, piece, q, half)
     if ratio > 1:
-        coarse = time_from_si(recording.time[piece] - recording.time[piece][0])
-        n = (len(coarse) - 1) * ratio + 1
+        grid = np.arange(angles.shape[1]) * step
+        n = (len(grid) - 1) * ratio + 1
         fine = np.arange(n) * SERVO_MS
-        grid = np.arange(len(coarse)) * step
         spline = CubicHermiteSpline(grid, q, v, axis=1)
         q, v = spline(fine), spline(fine, 1)
         drive = CubicHermiteSpline(grid, drive, np.gradient(drive, step, axis=1), axis=1)(fine)
-        nearest = np.minimum(np.arange(n) // ratio, len(coarse) - 1)
-        inside, angles = inside[:, nearest] & inside[:, np.minimum(nearest + 1, len(coarse) - 1)], q
+        earlier = np.arange(n) // ratio
+        inside = inside[:, earlier] & inside[:, np.minimum(earlier + 1, len(grid) - 1)]
+        angles = CubicSpline(grid, angles, axis=1)(fine)
     return Stretch(angles, q, v, drive, inside, half)
 
 
@@ -139,6 +162,30 @@ def _inside(recording: Measured, piece: slice, q: np.ndarray, half: int) -> np.n
     # smoothing and differencing carry a touch over a window's width
     reach = np.ones(2 * half + 3)
     return np.stack([np.convolve(~row, reach, "same") < 0.5 for row in clear])
+
+
+def windows(parts: Sequence[Stretch], steps: int, step: LegStep) -> Windows:
+    """All windows of `steps` steps, one after the other, in which the leg stays clear of its stops; BagError if that leaves under 16."""
+    gravity = value("robot.gravity")
+    parameters = [step.parameters(leg, gravity=gravity) for leg in LEGS]
+    state0, drive, goal, param = [], [], [], []
+    for part in parts:
+        before = np.diff(part.v, axis=1) / SERVO_MS  # acceleration of the step that ends at sample k + 1
+        for leg, k in product(range(len(LEGS)), range(1, len(part) - steps, steps)):
+            if part.inside[leg, k : k + steps + 1].all():
+                state0.append((part.q[leg, k], part.v[leg, k], before[leg, k - 1]))
+                drive.append(part.drive[leg, k : k + steps])
+                goal.append(part.angles[leg, k + 1 : k + steps + 1])
+                param.append(parameters[leg])
+    whole = len(state0) // LANES * LANES
+    if not whole:
+        raise BagError(f"{len(state0)} windows of {steps * SERVO_MS:g} ms stay clear of the stops, {LANES} are needed: record longer.")
+
+    def blocks(rows, *shape):
+        lanes = np.array(rows[:whole]).reshape(-1, LANES, *shape)
+        return np.ascontiguousarray(np.moveaxis(lanes, 1, -1)).reshape(whole // LANES, *shape[:-1], -1)
+
+    return Windows(blocks(state0, 6), blocks(drive, steps, 2), blocks(goal, steps, 2), blocks(param, len(parameters[0])))
 
 
 def digest(recordings: Sequence[Measured]) -> list[str]:

@@ -101,7 +101,7 @@ def _law(path, stated):
 
 
 def _weights(path, stated, count: int) -> np.ndarray:
-    numbers = isinstance(stated, list) and all(isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in stated)
+    numbers = isinstance(stated, list) and all(type(x) in (int, float) and math.isfinite(x) for x in stated)
     if not numbers or len(stated) != count:
         raise ModelError(f"Residual model '{path}' needs {count} finite weights for its law.")
     return np.array(stated, float)
