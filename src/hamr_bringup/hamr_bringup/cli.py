@@ -1,9 +1,9 @@
 """The `hamr` command: finds the command's module, reads its arguments, prints its result; what goes wrong becomes one sentence.
 
-A command is a module in commands/ whose docstring says what it does, with examples, and whose `Command` is a dataclass (or a union of
-dataclasses, for commands in two words) with `run() -> dict`. Standard output carries the result alone: a table, or with `--json` one
-JSON object, {"ok": false, "error": ...} when it fails; progress and logs, also those of child processes, go to standard error. The exit
-status is 0 only on success.
+A command is a module in commands/ whose docstring says what it does, with examples, and whose `Command` is a dataclass with
+`run() -> dict`, or for commands in two words a dict from the second word to such a dataclass. Standard output carries the result
+alone: a table, or with `--json` one JSON object, {"ok": false, "error": ...} when it fails; progress and logs, also those of child
+processes, go to standard error. The exit status is 0 only on success.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from hamr_description.errors import HamrError
 from .environment import prepare
 from .present import as_json_text, as_text
 
-COMMANDS = ("up", "run", "collect", "bag", "render", "doctor")  # in the order of the help
+COMMANDS = ("up", "run", "collect", "train", "bag", "render", "doctor")  # in the order of the help
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 AS_JSON = "--json"
@@ -85,7 +85,8 @@ def _parse(module: ModuleType, name: str, argv: list[str]):
     import tyro
 
     description = f"{module.__doc__}\nWith {AS_JSON}, standard output is one JSON object."
-    return tyro.cli(module.Command, prog=f"hamr {name}", description=description, args=argv)
+    parse = tyro.extras.subcommand_cli_from_dict if isinstance(module.Command, dict) else tyro.cli
+    return parse(module.Command, prog=f"hamr {name}", description=description, args=argv)
 
 
 @contextmanager

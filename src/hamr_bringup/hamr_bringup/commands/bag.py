@@ -70,4 +70,4 @@ class Flatten:
         return cli.flatten(self.bag, self.out)
 
 
-Command = Check | Repair | Info | Flatten
+Command = {"check": Check, "repair": Repair, "info": Info, "flatten": Flatten}
