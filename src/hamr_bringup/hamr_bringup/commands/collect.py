@@ -21,7 +21,7 @@ class Command:
     backend: str = "full"
     """full, residual, simple or simple_published."""
     residual: str = ""
-    """Residual model file, for the residual backend."""
+    """Residual model file, for the residual backend; the shipped one if not given."""
     seconds: float | None = None
     """Simulated time; numbers.yaml has the default of this and the next two (group excitation)."""
     band_hz: float | None = None
@@ -42,6 +42,7 @@ class Command:
         from hamr_bags.excitation import excitation
 
         from ..graph import Run
+        from ..shipped import RESIDUAL
 
         given = {"seconds": self.seconds, "band_hz": self.band_hz, "std": self.std_volt}
         noise = excitation("noise", seed=self.seed, **{key: number for key, number in given.items() if number is not None})
@@ -50,7 +51,7 @@ class Command:
             run = Run(
                 backend=self.backend,
                 environment="suspended",
-                residual=self.residual,
+                residual=self.residual or (str(RESIDUAL) if self.backend == "residual" else ""),
                 excitation=noise.parameters,
                 bag=str(bag),
                 seconds=noise.parameters["seconds"],

@@ -2,7 +2,7 @@
 
 Examples:
   hamr up --backend full --seconds 5
-  hamr up --backend residual --residual model.onnx --policy walk.onnx --command forward --bag out/walk --seconds 5
+  hamr up --backend residual --policy walk.onnx --command forward --bag out/walk --seconds 5
   hamr up --backend simple --engine mujoco --real-time-factor 0
 """
 
@@ -22,7 +22,7 @@ class Command:
     friction: float | None = None
     """Coefficient of the ground; the project's if not given."""
     residual: str = ""
-    """Residual model file, for the residual backend."""
+    """Residual model file, for the residual backend; the shipped one if not given."""
     policy: str = ""
     """Policy files, with commas; none: targets come from whoever publishes /leg_targets."""
     command: str = ""
@@ -38,6 +38,8 @@ class Command:
 
     def run(self) -> dict:
         from ..graph import Run
+        from ..shipped import RESIDUAL
         from ..supervisor import up
 
-        return up(Run(**asdict(self)))
+        shipped = str(RESIDUAL) if self.backend == "residual" else ""
+        return up(Run(**asdict(self) | {"residual": self.residual or shipped}))
