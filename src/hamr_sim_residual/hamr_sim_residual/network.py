@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from .mlp import Mlp
 from .series import Series
 
 
@@ -25,8 +26,11 @@ class Law(Protocol):
     def scratch(self, robots: int) -> int:
         """Scratch numbers that it needs per block."""
 
+    def packed(self, values: np.ndarray) -> np.ndarray:
+        """Weights in the order in which the kernel reads them."""
 
-LAWS: dict[str, type] = {law.kind: law for law in (Series,)}
+
+LAWS: dict[str, type] = {law.kind: law for law in (Series, Mlp)}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,4 +50,4 @@ class Network:
 
     def weights(self, dtype) -> np.ndarray:
         """Weights as the kernel takes them."""
-        return self.values.astype(dtype)
+        return self.law.packed(self.values).astype(dtype)

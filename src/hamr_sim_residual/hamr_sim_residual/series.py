@@ -102,6 +102,10 @@ class Series:
         """Scratch numbers per block: none."""
         return 1
 
+    def packed(self, values: np.ndarray) -> np.ndarray:
+        """Weights in the order in which the kernel reads them: as they are."""
+        return values
+
     def design(self, q, v, a, drive, limits) -> np.ndarray:
         """Matrix (n, TERMS * monomials) whose product with each output's weights is its torque; arguments (n, 2)."""
         phi, monomials = self.terms(q.T, v.T, a.T, drive.T, limits)
