@@ -75,7 +75,7 @@ _ATAN = _atan_coefficients()
 
 
 def angle(s, c):
-    """Angle with sine s and cosine c (s^2 + c^2 = 1): 1e-15 over +-pi/2, by two half-angle steps and a polynomial."""
+    """Angle with sine s and cosine c (s^2 + c^2 = 1): 5e-15 over +-pi/2, by two half-angle steps and a polynomial."""
     t = s / (1.0 + c)
     t = t / (1.0 + sqrt(1.0 + t * t))
     return 4.0 * t * _horner(_ATAN, t * t)
