@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import numpy as np
 
 from hamr_description.errors import ConfigError
 from hamr_dynamics.batch import BatchSim
+from hamr_sim_residual.residual_plant import SHIPPED, residual_plant
 
 RESIDUAL = "residual"
 
 
-def simulator(backend: str, n: int, *, residual: str | Path | None = None, dtype: type = np.float32) -> BatchSim:
+def simulator(backend: str, n: int, *, residual: str | Path = "", dtype: type = np.float32) -> BatchSim:
     """n robots on the ground.
 
     Args:
         backend: full, simple, simple_published or residual.
-        residual: model file of the residual backend, and of it alone.
+        residual: model file of the residual backend; empty for the shipped one.
         dtype: of the kernels; np.float32 is twice as fast.
+
+    Raises:
+        ConfigError: there is no such backend, or it takes no residual model. ModelError: the model does not fit.
     """
-    if (backend == RESIDUAL) != (residual is not None):
-        raise ConfigError(f"Backend '{backend}' {'needs a' if residual is None else 'takes no'} residual model file.")
-    return BatchSim(backend, n, environment="ground", dtype=dtype)
+    if residual and backend != RESIDUAL:
+        raise ConfigError(f"Backend '{backend}' takes no residual model file: leave '{residual}' out, or choose backend '{RESIDUAL}'.")
+    plant = residual_plant(residual or SHIPPED) if backend == RESIDUAL else backend
+    return BatchSim(plant, n, environment="ground", dtype=dtype)
+
+
+def residual_digest(backend: str, residual: str | Path = "") -> str:
+    """SHA-256 of the residual model that a backend runs, 16 hex digits; empty where it runs none."""
+    return hashlib.sha256(Path(residual or SHIPPED).read_bytes()).hexdigest()[:16] if backend == RESIDUAL else ""

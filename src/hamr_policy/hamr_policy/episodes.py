@@ -1,4 +1,4 @@
-"""Many robots in episodes of one task: the environment behind the Gymnasium, the vectorised and the evaluation loops."""
+"""Many robots in episodes of one task: what the Gymnasium, the vectorised and the evaluation loops have in common."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hamr_description.numbers import value
 from hamr_dynamics.batch import BatchSim
 
+from .disturbance import Disturbance
 from .observation import observe, place, relative
-from .start import place_robots
+from .start import stand_about
 from .state import State, wrap
-from .task import EPISODE_STEPS, PERIOD_S, Task, fallen
+from .task import EPISODE_STEPS, PERIOD_S, TARGET_LIMIT, Task, fallen
 
-TARGET_LIMIT = value("controller.target_limit")  # rad, the target of an action of 1
+SAME = 0.8  # share of the robots that go on with the same primitive, of those that go on
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class Outcome:
     """What one period brought to n robots.
 
     Attributes:
-        reward: (n,).
+        reward: (n,); 0 where the state is not finite.
         pace: (n, 3), as `Task.reward` gets it.
         fallen: (n,) the state left its limits. over: (n,) 300 ms have passed.
     """
@@ -36,49 +36,63 @@ class Outcome:
 class Episodes:
     """Robots of a BatchSim, each in its own episode.
 
+    Args:
+        view: what policies see, key of `observation.VIEWS`.
+        rng: draws states near standing, directions and disturbances.
+
     Attributes:
-        command: (n,) +1 or -1. steps: (n,) periods since the start of the episode.
+        state: of all robots. command: (n,) +1 or -1. steps: (n,) periods since the start of the episode.
     """
 
-    def __init__(self, task: Task, sim: BatchSim, view: str) -> None:
+    def __init__(
+        self, task: Task, sim: BatchSim, view: str, *, rng: np.random.Generator | None = None, disturbance: Disturbance | None = None
+    ) -> None:  # fmt: skip
         self.task, self.sim, self.view, self.n = task, sim, view, sim.n
+        self.rng = rng or np.random.default_rng(0)
+        self._disturbance = disturbance
         self.command = np.ones(self.n)
         self.steps = np.zeros(self.n, int)
         self._start = np.zeros((self.n, 3))
         self._look()
 
-    def begin(self, mask: np.ndarray, rng: np.random.Generator, *, going: np.ndarray | None = None, command: np.ndarray | None = None) -> None:
-        """New episodes for the robots of an (n,) mask.
+    def begin(self, mask: np.ndarray | None = None, *, going: np.ndarray | None = None, command: np.ndarray | None = None) -> None:
+        """New episodes for all robots, or those of an (n,) mask.
 
         Args:
-            rng: draws the states near standing, and the directions.
-            going: (n,) robots that start where and as they are instead.
-            command: (n,) directions instead of random ones.
+            going: (n,) robots that go on from their state: most with the primitive that they are in, the others with a new one.
+            command: (n,) directions; random if not given.
         """
-        place_robots(self.sim, mask if going is None else mask & ~going, rng)
-        self.command[mask] = rng.choice((-1.0, 1.0), mask.sum()) if command is None else command[mask]
+        mask = np.ones(self.n, bool) if mask is None else mask
+        going = np.zeros(self.n, bool) if going is None else going
+        stand_about(self.sim, mask & ~going, self.rng)
+        if self._disturbance:
+            self._disturbance.begin(mask, self.rng)
         self.steps[mask] = 0
         self._look()
-        self._start[mask] = self._here[mask]
+        new = mask & ~(going & (self.rng.random(self.n) < SAME))
+        self.command[new] = (self.rng.choice((-1.0, 1.0), self.n) if command is None else command)[new]
+        self._start[new] = self._here[new]
 
     def _look(self) -> None:
         self.state = State.of_batch(self.sim)
         self._here = place(self.state)
 
     def observations(self) -> np.ndarray:
-        """(n, size) float32."""
+        """(n, size) float32, see `observation.components`."""
         return observe(self.view, self.state, self.command, self._start)
 
     def step(self, actions: np.ndarray) -> Outcome:
-        """One period with actions (n, 8) in [-1, 1]; outside they are clipped."""
+        """One period with actions (n, 8) in [-1, 1] of the target range; beyond it they are clipped."""
+        return self.step_targets(np.clip(actions, -1.0, 1.0) * TARGET_LIMIT)
+
+    def step_targets(self, targets: np.ndarray) -> Outcome:
+        """One period towards hip angles (n, 8) rad."""
         before = self._here
-        self.sim.step_targets(np.clip(actions, -1.0, 1.0) * TARGET_LIMIT)
+        self.sim.step_targets(self._disturbance.targets(targets, self.rng) if self._disturbance else targets)
         self.steps += 1
         self._look()
-        moved = relative(self._here, self._start) - relative(before, self._start)
-        moved[:, 2] = wrap(moved[:, 2])
-        pace = moved / PERIOD_S
-        over = self.steps >= EPISODE_STEPS
-        lost = fallen(self.state)
+        pace = (relative(self._here, self._start) - relative(before, self._start)) / PERIOD_S
+        pace[:, 2] = wrap(pace[:, 2] * PERIOD_S) / PERIOD_S
         reward = self.task.reward(self.command, pace, self.state)
-        return Outcome(np.where(np.isfinite(reward), reward, 0.0), pace, lost, over & ~lost)
+        lost = fallen(self.state)
+        return Outcome(np.where(np.isfinite(reward), reward, 0.0), pace, lost, (self.steps >= EPISODE_STEPS) & ~lost)

@@ -1,4 +1,4 @@
-"""The policy network's first layer: observations in their units, centred and scaled."""
+"""The policy network: observations in their units, centred and scaled, then what stable-baselines3 builds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .observation import components
 
 
 class Normalise(BaseFeaturesExtractor):
-    """(value - centre) / scale, with the constants of `observation.FIELDS`: nothing to learn, nothing to go stale."""
+    """(value - centre) / scale, with the constants of `observation.FIELDS`: nothing to learn, nothing that drifts."""
 
     def __init__(self, observation_space: spaces.Box, view: str) -> None:
         rows = components(view)

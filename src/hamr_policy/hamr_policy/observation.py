@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hamr_description.errors import ConfigError
 from hamr_description.names import JOINTS
 from hamr_description.posture import stand_height
 from hamr_description.units import length_to_si
@@ -58,21 +59,19 @@ VIEWS = {
     "heading": (*_ALWAYS, "heading"),
     "place": (*_ALWAYS, "heading", "place"),
 }
+DEFAULT_VIEW = "heading"
 
 
 def components(view: str) -> list[dict]:
-    """Each value of an observation, in order: name, unit, centre, scale."""
+    """Each value of an observation, in order: name, unit, centre, scale. ConfigError for an unknown view."""
+    if view not in VIEWS:
+        raise ConfigError(f"There is no view '{view}' of the state: known are {', '.join(VIEWS)}.")
     fields = [FIELDS[name] for name in VIEWS[view]]
     return [
         {"name": f"{field.name}.{part}", "unit": field.unit, "centre": field.centre, "scale": field.scale}
         for field in fields
         for part in field.parts
     ]
-
-
-def size(view: str) -> int:
-    """Length of an observation."""
-    return len(components(view))
 
 
 def place(state: State) -> np.ndarray:

@@ -32,7 +32,7 @@ def feet(angles: np.ndarray) -> np.ndarray:
     return HIPS + np.stack([x, np.cos(lift) * y - np.sin(lift) * z, np.sin(lift) * y + np.cos(lift) * z], axis=-1)
 
 
-def place_robots(sim: BatchSim, mask: np.ndarray, rng: np.random.Generator) -> None:
+def stand_about(sim: BatchSim, mask: np.ndarray, rng: np.random.Generator) -> None:
     """Put the robots of an (n,) mask at random near standing, at x = y = yaw = 0."""
     n = int(mask.sum())
     angles = rng.normal(0.0, ANGLE, (n, 8))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hamr_description.units import length_to_si, quaternion_to_ros, rate_to_si
-from hamr_dynamics.batch import BatchSim
+
+if TYPE_CHECKING:
+    from hamr_dynamics.batch import BatchSim
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,8 +15,10 @@ from hamr_description.units import length_to_si
 
 from .state import State, attitude
 
+PERIOD_S = 1.0 / TARGET_HZ
 EPISODE_S = 0.3
 EPISODE_STEPS = round(EPISODE_S * TARGET_HZ)
+TARGET_LIMIT = value("controller.target_limit")  # rad, the target hip angle of an action of 1
 
 #: Limits of a state. Beyond them an episode ends: the robot lies on its side, its chassis touches the ground (which the contact
 #: model does not know), it has left the ground for good, or a leg has gone through its stops (near 0.5 rad).
@@ -86,6 +88,3 @@ def task_named(name: str) -> Task:
     if name not in TASKS:
         raise ConfigError(f"Unknown task '{name}': known are {', '.join(TASKS)}.")
     return TASKS[name]
-
-
-PERIOD_S = 1.0 / TARGET_HZ

@@ -2,68 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnv
 
-from . import observation
 from .episodes import Episodes
+from .spaces import action_space, observation_space
 from .task import EPISODE_STEPS
 
 
 class HamrVecEnv(VecEnv):
-    """Episodes of n robots that begin anew by themselves.
+    """Episodes that begin anew by themselves.
 
-    On a step that ends an episode, the observation returned is the first of the next one; `terminal_observation` and
-    `TimeLimit.truncated` (300 ms have passed) stand in its info, and `episode` with the sum of its rewards.
-    The first episode of each robot is cut to a random length, so that starts are spread over the steps.
+    On a step that ends an episode, the observation returned is the first of the next one; the info holds `terminal_observation`,
+    `TimeLimit.truncated` (300 ms have passed) and `episode` with its sum of rewards `r` and steps `l`.
+
+    Args:
+        going: share of the episodes after a truncated one that go on from its last state (`Episodes.begin`), so that a policy learns
+            to keep going and to change direction; the others start near standing.
     """
 
-    def __init__(self, episodes: Episodes, *, seed: int = 0, carry_on: float = 0.0, spread: bool = True) -> None:
+    render_mode = None
+
+    def __init__(self, episodes: Episodes, *, going: float = 0.0) -> None:
         self.episodes = episodes
-        self._rng = np.random.default_rng(seed)
-        self._spread, self._carry_on = spread, carry_on
+        self._going = going
         self._sums = np.zeros(episodes.n)
-        self._actions = np.zeros((episodes.n, 8))
-        box = spaces.Box(-np.inf, np.inf, (observation.size(episodes.view),), np.float32)
-        super().__init__(episodes.n, box, spaces.Box(-1.0, 1.0, (8,), np.float32))
+        self._actions = np.zeros((episodes.n, 8), np.float32)
+        super().__init__(episodes.n, observation_space(episodes.view), action_space())
 
     def restart(self, seed: int) -> np.ndarray:
-        """New episodes everywhere, with random numbers from a seed."""
-        self._rng = np.random.default_rng(seed)
-        return self.reset()
+        """New episodes everywhere, with random numbers from a seed; the first ones are cut to random lengths, which spreads later starts."""
+        self.episodes.rng = np.random.default_rng(seed)
+        self.episodes.begin()
+        self.episodes.steps[:] = self.episodes.rng.integers(0, EPISODE_STEPS, self.num_envs)
+        self._sums[:] = 0.0
+        return self.episodes.observations()
 
     def reset(self) -> np.ndarray:
         if self._seeds[0] is not None:
-            self._rng = np.random.default_rng(self._seeds[0])
+            self.episodes.rng = np.random.default_rng(self._seeds[0])
             self._reset_seeds()
-        self.episodes.begin(np.ones(self.num_envs, bool), self._rng)
-        if self._spread:
-            self.episodes.steps[:] = self._rng.integers(0, EPISODE_STEPS, self.num_envs)
+        self.episodes.begin()
         self._sums[:] = 0.0
         return self.episodes.observations()
 
     def step_async(self, actions: np.ndarray) -> None:
         self._actions = actions
 
-    def step_wait(self):
+    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict]]:
         outcome = self.episodes.step(self._actions)
         self._sums += outcome.reward
-        done = outcome.fallen | outcome.over
-        seen = self.episodes.observations()
+        seen, done = self.episodes.observations(), outcome.fallen | outcome.over
         infos: list[dict] = [{} for _ in range(self.num_envs)]
+        for i in np.flatnonzero(done):
+            episode = {"r": float(self._sums[i]), "l": int(self.episodes.steps[i]), "t": 0.0}
+            infos[i] = {"terminal_observation": seen[i], "TimeLimit.truncated": bool(outcome.over[i]), "episode": episode}
         if done.any():
-            for i in np.flatnonzero(done):
-                length = int(self.episodes.steps[i])
-                infos[i] = {
-                    "terminal_observation": seen[i],
-                    "TimeLimit.truncated": bool(outcome.over[i]),
-                    "episode": {"r": float(self._sums[i]), "l": length, "t": 0.0},
-                }
             self._sums[done] = 0.0
-            self.episodes.begin(done, self._rng, going=outcome.over & (self._rng.random(self.num_envs) < self._carry_on))
+            going = outcome.over & (self.episodes.rng.random(self.num_envs) < self._going)
+            self.episodes.begin(done, going=going)
             seen = np.where(done[:, None], self.episodes.observations(), seen)
         return seen, outcome.reward.astype(np.float32), done, infos
 
@@ -71,7 +68,7 @@ class HamrVecEnv(VecEnv):
         pass
 
     def get_attr(self, attr_name: str, indices=None) -> list:
-        return [getattr(self, attr_name)] * len(self._chosen(indices))
+        return [getattr(self, attr_name)] * len(list(self._get_indices(indices)))
 
     def set_attr(self, attr_name: str, value, indices=None) -> None:
         setattr(self, attr_name, value)
@@ -80,7 +77,4 @@ class HamrVecEnv(VecEnv):
         raise NotImplementedError("The robots of a batch have no methods of their own.")
 
     def env_is_wrapped(self, wrapper_class, indices=None) -> list[bool]:
-        return [False] * len(self._chosen(indices))
-
-    def _chosen(self, indices) -> Sequence[int]:
-        return range(self.num_envs) if indices is None else self._get_indices(indices)
+        return [False] * len(list(self._get_indices(indices)))

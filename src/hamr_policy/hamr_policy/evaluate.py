@@ -1,0 +1,98 @@
+"""Transfer: what policies do on the backend they were trained on, and on others."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from hamr_description.errors import ConfigError
+
+from .backend import RESIDUAL, residual_digest, simulator
+from .episodes import Episodes
+from .rollout import RollOut, roll_out
+from .runtime import Policy
+from .task import EPISODE_S, TASKS
+
+ENDURANCE_S = 5.0
+
+
+def evaluate(
+    policies: Sequence[str | Path], backends: Sequence[str] = ("full",), *, residual: str | Path = "", rollouts: int = 5, seed: int = 0
+) -> dict:
+    """Runs policies, one file a training seed, and sums up those of equal task and training.
+
+    Args:
+        policies: ONNX files.
+        backends: to run on, besides the one each was trained on.
+        residual: residual model file; empty for the shipped one.
+        rollouts: from different random starts, per policy and direction; the same starts on every backend.
+        seed: of the starts.
+
+    Returns:
+        rows: [{task, direction, trained_on, run_on, quantity, unit, mean, std, n, reference, by_seed}]. Quantities: speed (BL/s) or
+        turning_rate (deg/s), reward (sum over 300 ms), transfer (reward over that on the training backend), upright (s of 5 without a fall).
+        mean, std: over all n roll-outs, for transfer over policies. by_seed: mean of each policy.
+    """
+    groups: dict[tuple[str, str, str], list[Policy]] = defaultdict(list)
+    for policy in map(Policy, policies):
+        groups[policy.about["task"], policy.about["backend"], policy.about["disturbance"]].append(policy)
+    rows: list[dict] = []
+    for (task, home, disturbance), members in groups.items():
+        for member in members:
+            _same_residual(member, residual)
+        trained_on = "+".join(filter(None, (home, disturbance)))
+        runs = {on: [_run(p, on, residual, rollouts, seed) for p in members] for on in dict.fromkeys((home, *backends))}
+        for (on, of_policies), direction in ((run, d) for run in runs.items() for d in TASKS[task].directions):
+            about = {"task": task, "direction": TASKS[task].directions[direction], "trained_on": trained_on, "run_on": on}
+            at_home = [float(of[direction][0].reward.mean()) for of in runs[home]]
+            rows += [about | row for row in _rows(task, about["direction"], [of[direction] for of in of_policies], at_home, on == home)]
+    return {"rows": rows}
+
+
+def _run(policy: Policy, backend: str, residual: str | Path, rollouts: int, seed: int) -> dict[int, tuple[RollOut, RollOut]]:
+    """Direction -> roll-outs of an episode, and of ENDURANCE_S."""
+    task = TASKS[policy.about["task"]]
+    sim = simulator(backend, rollouts, residual=residual if backend == RESIDUAL else "", dtype=np.float64)
+    runs = {}
+    for direction in task.directions:
+        episodes = Episodes(task, sim, policy.about["view"], rng=np.random.default_rng(seed))
+        command = np.full(rollouts, float(direction))
+        runs[direction] = roll_out(policy, episodes, command, EPISODE_S), roll_out(policy, episodes, command, ENDURANCE_S)
+    return runs
+
+
+def _rows(task: str, direction: str, runs: list[tuple[RollOut, RollOut]], at_home: list[float], home: bool) -> Iterator[dict]:
+    short, long = [run[0] for run in runs], [run[1] for run in runs]
+    figure = TASKS[task]
+    reference = references()[figure.quantity][direction]["mean"]
+    yield _row(figure.quantity, figure.unit, [run.figure for run in short], reference)
+    yield _row("reward", "1", [run.reward for run in short], None)
+    if not home:
+        yield _row("transfer", "1", [run.reward.mean(keepdims=True) / there for run, there in zip(short, at_home, strict=True)], None)
+    yield _row("upright", "s", [run.upright for run in long], ENDURANCE_S)
+
+
+def _row(quantity: str, unit: str, by_policy: list[np.ndarray], reference: float | None) -> dict:
+    values = np.concatenate(by_policy)
+    return {
+        "quantity": quantity, "unit": unit, "mean": float(values.mean()), "std": float(values.std()), "n": values.size,
+        "reference": reference, "by_seed": [float(v.mean()) for v in by_policy],
+    }  # fmt: skip
+
+
+def _same_residual(policy: Policy, residual: str | Path) -> None:
+    backend, trained = policy.about["backend"], policy.about["residual"]
+    if residual_digest(backend, residual) != trained:
+        raise ConfigError(f"A policy was trained on another residual model ({trained}): give that model's file, or train the policy anew.")
+
+
+@cache
+def references() -> dict:
+    """The paper's figures: quantity -> direction -> mean, std, unit."""
+    return yaml.safe_load(resources.files(__package__).joinpath("reference.yaml").read_text())
