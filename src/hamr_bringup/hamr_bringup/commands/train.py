@@ -1,8 +1,10 @@
-"""Learn a residual from bags alone, offline.
+"""Learn a residual from bags, offline, or a policy on a simulator.
 
 Examples:
   hamr train residual --bag out/noise --out out/residual.json
   hamr train residual --bag out/noise out/more --out out/paper.json --method paper --architecture robot --seed 1 --resume
+  hamr train policy --task walk --backend residual --out out/walk
+  hamr train policy --task turn --backend full --out out/turn --steps 2000000 --seed 1 --resume
 """
 
 from __future__ import annotations
@@ -39,4 +41,32 @@ class Residual:
         return train(recordings, self.out, method=self.method, architecture=self.architecture, seed=self.seed, resume=self.resume)
 
 
-Command = {"residual": Residual}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Policy:
+    """Train a policy with PPO and export it: policy.onnx, its settings and curve, TensorBoard logs, checkpoints."""
+
+    task: str
+    """walk or turn."""
+    backend: str
+    """full, residual, simple or simple_published."""
+    out: Path
+    """Folder for all that training leaves."""
+    residual: Path | None = None
+    """Residual model file, for the residual backend; the shipped one if not given."""
+    steps: int = 1_000_000
+    """Of 4 ms, all robots together."""
+    seed: int = 0
+    """Of everything random."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder."""
+
+    def run(self) -> dict:
+        from hamr_policy.train import train
+
+        from ..shipped import RESIDUAL
+
+        residual = self.residual or (RESIDUAL if self.backend == "residual" else "")
+        return train(self.task, self.backend, self.out, steps=self.steps, seed=self.seed, residual=residual, resume=self.resume)
+
+
+Command = {"residual": Residual, "policy": Policy}
