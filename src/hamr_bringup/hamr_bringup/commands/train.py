@@ -51,7 +51,7 @@ class Policy:
     """full, residual, simple or simple_published."""
     out: Path
     """Folder for all that training leaves."""
-    residual: Path | None = None
+    residual: str = ""
     """Residual model file, for the residual backend; the shipped one if not given."""
     steps: int = 1_000_000
     """Of 4 ms, all robots together."""
@@ -63,10 +63,7 @@ class Policy:
     def run(self) -> dict:
         from hamr_policy.train import train
 
-        from ..shipped import RESIDUAL
-
-        residual = self.residual or (RESIDUAL if self.backend == "residual" else "")
-        return train(self.task, self.backend, self.out, steps=self.steps, seed=self.seed, residual=residual, resume=self.resume)
+        return train(self.task, self.backend, self.out, steps=self.steps, seed=self.seed, residual=self.residual, resume=self.resume)
 
 
 Command = {"residual": Residual, "policy": Policy}
