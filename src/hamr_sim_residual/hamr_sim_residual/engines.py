@@ -29,7 +29,7 @@ def make_engine(
     if backend not in BACKENDS:
         raise ConfigError(f"Unknown backend '{backend}': known are {', '.join(BACKENDS)}.")
     if (backend == "residual") != bool(residual):
-        raise ConfigError(f"Backend '{backend}' does not fit residual model '{residual}': the residual backend needs a model file, the others none.")
+        raise ConfigError(f"Backend '{backend}' does not fit residual model '{residual}': residual needs a model file, the others none.")
     if engine == "kernel":
         robot: Engine = KernelEngine(_plant(backend, residual), environment=environment, friction=friction)
     elif engine == "mujoco" and backend != "residual":

@@ -35,7 +35,7 @@ class Mlp:
 
     def __post_init__(self) -> None:
         if self.scope not in SCOPES or not self.hidden or not all(isinstance(n, int) and 0 < n <= 1000 for n in self.hidden):
-            raise ValueError(f"a network is for one of {', '.join(SCOPES)} and has hidden layers of 1 to 1000, not {self.scope} {self.hidden}")
+            raise ValueError(f"a network is for {' or '.join(SCOPES)} and has hidden layers of 1 to 1000, not {self.scope} {self.hidden}")
 
     @property
     def legs(self) -> int:

@@ -79,7 +79,7 @@ def load(path: str | Path) -> Model:
     }  # fmt: skip
     for key, expected in must.items():
         if content.get(key) != expected:
-            raise ModelError(f"Residual model '{path}' was made for another robot ({key}: {content.get(key)}, here {expected}): train it anew.")
+            raise ModelError(f"Residual model '{path}' is for another robot ({key}: {content.get(key)}, here {expected}): train it anew.")
     if unknown := sorted(set(content) - {*must, "format", "law", "training", "weights"}):
         raise ModelError(f"Residual model '{path}' has an unknown entry '{unknown[0]}'.")
     law = _law(path, content.get("law"))

@@ -1,7 +1,8 @@
 """Offline training of a residual from suspended recordings, measured channels alone.
 
-Two methods. `adjoint`, the better one: derivatives of the simulator's own step (`fit_series`). `paper`: the published method,
-with a surrogate network for the physics (`train_paper`).
+Methods: `adjoint`, the better one, with derivatives of the simulator's own step: a series law (`fit_series`) or, for comparison, a
+tanh network (`fit_mlp`). `paper`: the published method, a tanh network trained through a surrogate of the physics (`fit_mlp`,
+`surrogate`); `paper-euler` the same under explicit Euler at 0.25 ms, for comparison only.
 """
 
 from __future__ import annotations
@@ -20,11 +21,15 @@ from hamr_dynamics.leg_step import LANES, LegStep
 
 from . import fit_series, model_file
 from .dataset import Measured, Stretch, digest, stretches, windows
-from .network import Network
+from .mlp import SCOPES, Mlp
+from .network import Law, Network
 from .residual_plant import torque_driven
 from .series import Series
 
-METHODS = {"adjoint": "series:6", "paper": "leg"}  # and the architecture that each takes by default
+METHODS = {"adjoint": "series:6", "paper": "leg", "paper-euler": "leg"}  # and the architecture that each takes by default
+PHYSICS = {"adjoint": "step", "paper": "surrogate", "paper-euler": "euler"}  # of `fit_mlp`
+DEGREES = range(1, 10)
+ARCHITECTURES = "adjoint takes series:1 to series:9; every method takes leg or robot, for 2 x 100 tanh, or layers as in leg:32x32"
 BAR = "{desc}: {percentage:3.0f} % |{bar}| {elapsed} {postfix}"
 HORIZON_MS = 32.0  # of a window: long against a leg's period of 9 ms, so that the unknown initial rates cost little information
 
@@ -39,7 +44,8 @@ def train(
         recordings: what `hamr_bags.reader.load` gives of suspended runs.
         out: model file to write; a checkpoint lies beside it while training runs.
         method: one of METHODS.
-        architecture: "series:DEGREE" for adjoint (default series:6); "leg" or "robot", 2 x 100 tanh, for paper (default leg).
+        architecture: by default series:6 for adjoint and leg for the others. adjoint takes series:1 to series:9; every method takes leg or
+            robot, for 2 x 100 tanh, or layers as in leg:32x32.
         seed: of everything random; the adjoint method has nothing random.
         resume: go on from the checkpoint of an interrupted call with the same arguments; the result is the same to the bit.
         progress: bar on standard error.
@@ -54,29 +60,36 @@ def train(
     if method not in METHODS:
         raise ConfigError(f"Unknown training method '{method}': choose one of {', '.join(METHODS)}.")
     architecture = architecture or METHODS[method]
+    law = _law(method, architecture)
     parts = [part for recording in recordings for part in stretches(recording)]
     about = {
         "method": method, "architecture": architecture, "seed": seed, "data": digest(recordings),
         "seconds": round(sum(len(part) for part in parts) / SERVO_HZ, 6), "versions": versions(),
     }  # fmt: skip
     checkpoint = Checkpoint(Path(out), about, resume)
-    if method == "paper":
-        from .train_paper import learn  # torch takes seconds to import
-
-        network, figures = learn(parts, architecture, seed, checkpoint, progress)
+    if law.kind == Series.kind:
+        network, figures = _series(parts, law, checkpoint, progress)
     else:
-        network, figures = _adjoint(parts, architecture, checkpoint, progress)
+        from .fit_mlp import learn  # torch takes seconds to import
+
+        network, figures = learn(parts, law, PHYSICS[method], seed, checkpoint, progress)
     about |= figures
     path = model_file.save(model_file.Model(network, about), out)
     checkpoint.remove()
     return {"model": str(path), **about}
 
 
-def _adjoint(parts: list[Stretch], architecture: str, checkpoint: Checkpoint, progress: bool) -> tuple[Network, dict]:
-    kind, _, degree = architecture.partition(":")
-    if kind != Series.kind or not degree.isdigit() or not 1 <= int(degree) <= 9:
-        raise ConfigError(f"Architecture '{architecture}' does not fit method 'adjoint': give series:1 to series:9.")
-    law = Series(int(degree))
+def _law(method: str, architecture: str) -> Law:
+    kind, _, size = architecture.partition(":")
+    if method == "adjoint" and kind == Series.kind and size in map(str, DEGREES):
+        return Series(int(size))
+    hidden = [n for n in size.split("x") if n.isdigit() and 0 < int(n) <= 1000]
+    if kind in SCOPES and "x".join(hidden) == size:
+        return Mlp(kind, tuple(map(int, hidden)) or (100, 100))
+    raise ConfigError(f"Architecture '{architecture}' does not fit method '{method}': {ARCHITECTURES}.")
+
+
+def _series(parts: list[Stretch], law: Series, checkpoint: Checkpoint, progress: bool) -> tuple[Network, dict]:
     data = windows(parts, round(HORIZON_MS / SERVO_MS), LegStep(torque_driven()))
     found = checkpoint.load()
     fit = fit_series.Fit.of(found) if found else fit_series.Fit(fit_series.warm_start(law, parts), data.state0)
