@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+
+import yaml
 
 from hamr_description.errors import ConfigError
 
@@ -53,6 +56,28 @@ class Run:
             raise ConfigError(f"Backend '{self.backend}' and residual model file '{self.residual}' do not fit; give both or neither.")
         if self.policy and self.excitation:
             raise ConfigError("A run has either a policy or an excitation; leave one of them out.")
+
+
+def run_of_words(words: Mapping[str, str]) -> Run:
+    """A run from text, as a launch file has it: numbers and groups as YAML; empty for the default.
+
+    Raises:
+        ConfigError: a word that does not fit.
+    """
+    values = {}
+    for entry in fields(Run):
+        word = words.get(entry.name, "")
+        if not word:
+            continue
+        kind = _KINDS.get(entry.type.split("[")[0].split(" ")[0], str)
+        try:
+            values[entry.name] = word if kind is str else kind(yaml.safe_load(word))
+        except (ValueError, TypeError, yaml.YAMLError):
+            raise ConfigError(f"{entry.name} is '{word}'; give it as {entry.type}.") from None
+    return Run(**values)
+
+
+_KINDS = {"float": float, "int": int, "dict": dict}
 
 
 @dataclass(frozen=True, slots=True)

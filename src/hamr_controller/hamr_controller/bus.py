@@ -5,8 +5,8 @@ once in the life of a file, so a late answer is recognised and ignored. Payload 
 after (acquire). Each end writes cache lines of its own:
 
     byte 0    header (hamr_controller.bus_file)
-    byte 128  simulator: number of the newest sample; byte 192: hip angles, hip rates
-    byte 384  driver: number answered, count of drivers that joined, process id; byte 448: voltages
+    byte 128  simulator: number of the newest sample, its core, whether it sleeps; byte 192: hip angles, hip rates
+    byte 384  driver: number answered, its core, whether it sleeps, count of drivers that joined, process id; byte 448: voltages
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from numba import njit
 from hamr_description.names import JOINTS
 from hamr_description.rates import SUBSTEPS
 
-from .atomics import doze_until, load_acquire, spin_until, store_release
+from .atomics import await_number, current_cpu, load_acquire, post
 from .law import signed_law
 
-SAMPLE_WORD, SAMPLE_REALS = 16, 24
-ANSWER_WORD, JOINS_WORD, DRIVER_PID_WORD, VOLT_REALS = 48, 49, 50, 56
+SAMPLE_WORD, SIMULATOR_CPU, SIMULATOR_WAITS, SAMPLE_REALS = 16, 17, 18, 24
+ANSWER_WORD, DRIVER_CPU, DRIVER_WAITS, JOINS_WORD, DRIVER_PID_WORD, VOLT_REALS = 48, 49, 50, 51, 52, 56
+_ROUNDS = 20  # of spinning within a period: 0.1 ms, longer than a substep of any engine
 LOST = -1
 _N = len(JOINTS)
 
@@ -43,7 +44,8 @@ def post_sample(words, reals, number, sample):
     for j in range(_N):
         reals[SAMPLE_REALS + j] = sample[0, j]
         reals[SAMPLE_REALS + _N + j] = sample[1, j]
-    store_release(words, SAMPLE_WORD, number)
+    words[SIMULATOR_CPU] = current_cpu()
+    post(words, SAMPLE_WORD, number, DRIVER_WAITS)
 
 
 @njit(cache=True, nogil=True)
@@ -57,10 +59,22 @@ def take_answer(words, reals, number, volts):
 
 
 @njit(cache=True, nogil=True)
+def await_answer(words, number, rounds, limit_ns):
+    """Simulator: wait for the answer with a number (or a later one); whether it came."""
+    return await_number(words, ANSWER_WORD, number, SIMULATOR_WAITS, DRIVER_CPU, rounds, limit_ns)
+
+
+@njit(cache=True, nogil=True)
+def await_sample(words, number, rounds, limit_ns):
+    """Driver: wait for the sample with a number (or a later one); whether it came."""
+    return await_number(words, SAMPLE_WORD, number, DRIVER_WAITS, SIMULATOR_CPU, rounds, limit_ns)
+
+
+@njit(cache=True, nogil=True)
 def exchange(words, reals, number, sample, volts, limit_ns):
     """Simulator: publish a sample and wait for its voltages; False when none came within the limit."""
     post_sample(words, reals, number, sample)
-    return spin_until(words, ANSWER_WORD, number, limit_ns) and take_answer(words, reals, number, volts)
+    return await_answer(words, number, _ROUNDS, limit_ns) and take_answer(words, reals, number, volts)
 
 
 @njit(cache=True, nogil=True)
@@ -82,13 +96,14 @@ def drive(words, reals, first, k, feed, target, kp, kd, volts, limit_ns):
     position, velocity = reals[SAMPLE_REALS : SAMPLE_REALS + _N], reals[SAMPLE_REALS + _N : SAMPLE_REALS + 2 * _N]
     answer = reals[VOLT_REALS : VOLT_REALS + _N]
     for i in range(k, SUBSTEPS):
-        if not spin_until(words, SAMPLE_WORD, first + i, limit_ns):
+        if not await_sample(words, first + i, _ROUNDS, limit_ns):
             return i
         if load_acquire(words, SAMPLE_WORD) != first + i:
             return LOST
         signed_law(feed[i], target, position, velocity, kp, kd, volts[i])
         answer[:] = volts[i]
-        store_release(words, ANSWER_WORD, first + i)
+        words[DRIVER_CPU] = current_cpu()
+        post(words, ANSWER_WORD, first + i, SIMULATOR_WAITS)
     return SUBSTEPS
 
 
@@ -98,4 +113,3 @@ def warm_up() -> None:
     sample, volts, eight = np.zeros((2, _N)), np.zeros((SUBSTEPS, _N)), np.zeros(_N)
     exchange(words, reals, 1, sample, eight, 0)
     drive(words, reals, 1, 0, volts, eight, eight, eight, volts, 0)
-    doze_until(words, SAMPLE_WORD, 0, 0)

@@ -12,7 +12,7 @@ from hamr_description.rates import SUBSTEPS
 
 from . import answers, bus
 from .answers import SLICE_NS
-from .atomics import doze_until, load_acquire, store_release
+from .atomics import load_acquire, store_release
 from .bus_file import BusFile, BusTaken, Role, bus_path, create, remove
 from .law import NEUTRAL_VOLT
 from .plan import Plan
@@ -83,7 +83,7 @@ class SimulatorEnd:
         if self._left is not None and self._left != self._mark():
             self._left = None
         if self.present:
-            doze_until(self._words, bus.ANSWER_WORD, self._first, SLICE_NS)
+            bus.await_answer(self._words, self._first, 1, SLICE_NS)
             if bus.take_answer(self._words, self._reals, self._first, volts):
                 return Reply.READY
             if self._file.held(Role.DRIVER):
@@ -180,7 +180,7 @@ class DriverEnd:
     def next_period(self) -> int | None:
         """Wait a little for a period whose first sample has no answer yet; None if there is none, or the simulator went."""
         words = self._file.words
-        if not doze_until(words, bus.SAMPLE_WORD, self._seen + 1, SLICE_NS):
+        if not bus.await_sample(words, self._seen + 1, 1, SLICE_NS):
             if not self._file.held(Role.SIMULATOR):
                 self.leave()
             return None

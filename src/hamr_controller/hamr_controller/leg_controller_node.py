@@ -40,9 +40,9 @@ class Parameters(BusParameters):
 
     def __post_init__(self) -> None:
         BusParameters.__post_init__(self)
-        if not min(*self.kp, *self.kd) >= 0:
-            raise ConfigError(f"kp is {self.kp} and kd is {self.kd}; gains must not be negative.")
-        if not min(self.target_patience, self.target_age) > 0:
+        if not all(gain >= 0 for gain in (*self.kp, *self.kd)):
+            raise ConfigError(f"kp is {self.kp} and kd is {self.kd}; gains must be numbers that are not negative.")
+        if not (self.target_patience > 0 and self.target_age > 0):
             raise ConfigError(f"target_patience is {self.target_patience} and target_age is {self.target_age}; both must be positive.")
 
     @property

@@ -21,7 +21,7 @@ from rclpy.utilities import remove_ros_args
 
 from hamr_description.errors import ConfigError, HamrError
 
-from . import parameters
+from . import middleware, parameters
 
 P = TypeVar("P")
 
@@ -63,6 +63,7 @@ def spinning() -> Iterator[Spinner]:
     """A spinner of this process, with rclpy started and SIGINT and SIGTERM caught; on leaving, everything is taken down in order."""
     # Timers of a thread fire up to 50 us late by default; here that is paid several times in every period.
     ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
+    middleware.configure()
     rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
     spinner = Spinner(executor)

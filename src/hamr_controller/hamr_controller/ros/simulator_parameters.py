@@ -41,7 +41,7 @@ class SimulatorParameters(BusParameters):
         low, high = _FRICTION.bounds
         if not low <= self.friction <= high:
             raise ConfigError(f"friction is {self.friction}; choose {low} to {high}.")
-        if not min(self.real_time_factor, self.duration) >= 0 or not self.driver_patience > 0:
+        if not (self.real_time_factor >= 0 and self.duration >= 0 and self.driver_patience > 0):
             raise ConfigError("real_time_factor and duration must not be negative, and driver_patience must be positive.")
         try:
             if not isinstance(json.loads(self.excitation or "{}"), dict):

@@ -1,0 +1,53 @@
+"""Every node may be killed with -9: the others stay safe, say so, and go on when it returns."""
+
+from __future__ import annotations
+
+from hamr_description.names import Topic
+
+
+def neutral(frame) -> bool:
+    return all(volt == 112.5 for point in frame.points for volt in point.effort)
+
+
+def at_rest(frame) -> bool:
+    """No drive torque: what neutral voltage means in the plant."""
+    return all(torque == 0.0 for point in frame.points for torque in point.effort)
+
+
+def test_each_node_is_killed_and_comes_back(graph, observe):
+    observer = observe(Topic.SERVO_VOLTAGES, Topic.SERVO_JOINTS, Topic.DIAGNOSTICS, Topic.CLOCK)
+    parts = {
+        "simulator": {"wait_for": "driver", "real_time_factor": 1.0},
+        "leg_controller": {"wait_for": "targets"},
+        "policy": {"policy": "any", "command": "forward"},
+    }
+    nodes = {name: graph.start(name, **parameters) for name, parameters in parts.items()}
+
+    def walks(frame) -> bool:
+        return not neutral(frame)
+
+    observer.next(Topic.SERVO_VOLTAGES, walks)
+
+    nodes["policy"].kill()
+    observer.next(Topic.SERVO_VOLTAGES, neutral)
+    assert "No targets on /leg_targets: neutral voltage." in observer.status("leg_controller", lambda s: s.level == b"\x01").message
+    nodes["policy"] = graph.start("policy", **parts["policy"])
+    observer.next(Topic.SERVO_VOLTAGES, walks)
+
+    nodes["leg_controller"].kill()
+    observer.next(Topic.SERVO_JOINTS, at_rest)
+    assert "gone or silent: neutral voltage" in observer.status("simulator", lambda s: s.level == b"\x01").message
+    nodes["leg_controller"] = graph.start("leg_controller", **parts["leg_controller"])
+    observer.next(Topic.SERVO_VOLTAGES, walks)
+    observer.next(Topic.SERVO_JOINTS, lambda frame: not at_rest(frame))
+    assert observer.status("simulator", lambda s: s.level == b"\x00").message == "ok"
+
+    nodes["simulator"].kill()
+    assert "No simulator" in observer.status("leg_controller", lambda s: s.level == b"\x01").message
+    before = observer.heard[Topic.CLOCK][-1].clock if observer.heard[Topic.CLOCK] else None
+    nodes["simulator"] = graph.start("simulator", **parts["simulator"])
+    frame = observer.next(Topic.SERVO_VOLTAGES, walks)
+    assert before is None or frame.header.stamp.sec <= before.sec + 1  # a new simulator is a new clock
+    for name, process in nodes.items():
+        assert process.popen.poll() is None, name
+        assert "Traceback" not in process.said
