@@ -27,12 +27,11 @@ LOOP = """
 L = {lanes}
 W = {weights}
 FREE = {free}
-STRIDE = {stride}
 STEP = {step}
 
 
 @jit
-def rollout(state0, drive, goal, param, weights, columns, errors, slopes):
+def rollout(state0, drive, goal, param, weights, columns, stride, errors, slopes):
     scratch, torque, new = np.empty(1), np.empty(2 * L), np.empty(6 * L)
     unit, jacobian, by_torque, of_param = np.empty(6 * L), np.empty((4, 6 * L)), np.empty((4, 2 * L)), np.empty(param.shape[1])
     unit2, by_state, by_weight, of_drive = np.empty(2 * L), np.empty((2, 8 * L)), np.empty((2, W * L)), np.empty(2 * L)
@@ -59,11 +58,11 @@ def rollout(state0, drive, goal, param, weights, columns, errors, slopes):
                         jacobian[r, i] += by_torque[r, i % L] * by_state[0, i] + by_torque[r, L + i % L] * by_state[1, i]
                 advance(jacobian, by_torque, by_weight, s, fresh)
             state[:] = new
-            point = k // STRIDE
+            point = k // stride
             if point < errors.shape[1]:
                 for i in range(2 * L):
-                    errors[b, point, i % L, i // L] += (goal[b, k, i] - new[i]) / STRIDE
-                if k % STRIDE == STRIDE // 2:
+                    errors[b, point, i % L, i // L] += (goal[b, k, i] - new[i]) / stride
+                if k % stride == stride // 2:
                     for c in range(columns):
                         for e in range(L):
                             for i in range(2):
@@ -94,10 +93,14 @@ def advance(jacobian, by_torque, by_weight, s, fresh):
 
 
 class Rollout:
-    """Roll-outs under one law, windows in blocks of 16."""
+    """Roll-outs under one law, windows in blocks of 16.
 
-    def __init__(self, law: Series) -> None:
-        self.law = law
+    Attributes:
+        stride: steps that share one error, the mean of theirs; its slope is that of the middle step.
+    """
+
+    def __init__(self, law: Series, stride: int = STRIDE) -> None:
+        self.law, self.stride = law, stride
         self._module = _module(law)
 
     def __call__(self, windows, state0: np.ndarray, weights: np.ndarray, *, slopes: str = "") -> tuple[np.ndarray, np.ndarray]:
@@ -108,20 +111,20 @@ class Rollout:
             slopes: "" for none, "state" for those of the angles by the initial state, "all" for those by the weights too.
 
         Returns:
-            (windows, points, 2) rad, each the mean of STRIDE samples; (windows, points * 2, columns), columns FREE initial
+            (windows, points, 2) rad, each the mean of `stride` samples; (windows, points * 2, columns), columns FREE initial
             state, then weights.
         """
         blocks, steps = windows.drive.shape[:2]
-        points = steps // STRIDE
+        points = steps // self.stride
         columns = {"": 0, "state": FREE, "all": FREE + len(weights)}[slopes]
         errors, out = np.empty((blocks, points, LANES, 2)), np.empty((blocks, LANES, points, 2, columns))
-        self._module.rollout(state0, windows.drive, windows.goal, windows.param, weights, columns, errors, out)
+        self._module.rollout(state0, windows.drive, windows.goal, windows.param, weights, columns, self.stride, errors, out)
         return errors.transpose(0, 2, 1, 3).reshape(blocks * LANES, points, 2), out.reshape(blocks * LANES, points * 2, columns)
 
 
 @cache
 def _module(law: Series):
-    loop = LOOP.format(lanes=LANES, weights=len(law.rows), free=FREE, stride=STRIDE, step=SERVO_MS)
+    loop = LOOP.format(lanes=LANES, weights=len(law.rows), free=FREE, step=SERVO_MS)
     stages = law.stage(), pullback(law.stage(), ("state", "weights"))
     traced = [f"\n@jit\n{loop_source(stage, LANES)}" for stage in stages]
     return kernels.load_source(f"rollout_{law.kind}", "".join([leg_source(torque_driven(), SERVO_MS), *traced, loop]))
