@@ -78,7 +78,7 @@ def test_gaps_and_stops_cut_windows():
 
 
 def test_windows_hold_consecutive_samples():
-    parts = dataset.stretches(recording(noise_run(0, 0.6)))
+    parts = dataset.stretches(recording(noise_run(3, 0.6, 30.0)))
     data = dataset.windows(parts, 40, LegStep(torque_driven()))
     block = len(data) // 2
     state, goal = data.state0[block].reshape(6, LANES), data.goal[block].reshape(40, 2, LANES)
