@@ -12,6 +12,7 @@ from hamr_description.errors import ModelError
 from .observation import observe, place
 from .policy_file import INPUT, KEY, OUTPUT, check
 from .state import State
+from .task import TARGET_LIMIT
 
 
 class Policy:
@@ -38,8 +39,9 @@ class Policy:
             raise ModelError(f"Policy '{path}' does not have the input and output that it describes: train it anew.")
 
     def targets(self, observations: np.ndarray) -> np.ndarray:
-        """(n, 8) rad, float64, for observations (n, size) float32."""
-        return self._session.run([OUTPUT], {INPUT: observations})[0].astype(float)
+        """(n, 8) rad, float64, within the limit, for observations (n, size) float32."""
+        targets = self._session.run([OUTPUT], {INPUT: observations})[0].astype(float)
+        return np.clip(targets, -TARGET_LIMIT, TARGET_LIMIT)  # the limit in single precision can lie above the limit
 
 
 class PolicyRuntime:
