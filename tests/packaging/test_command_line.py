@@ -8,10 +8,13 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import asdict, fields
 
 import pytest
 
 from hamr_bringup.cli import COMMANDS
+from hamr_bringup.commands.up import Command as Up
+from hamr_bringup.graph import Run
 from hamr_bringup.present import as_json_text, as_text
 
 HAMR = [sys.executable, "-m", "hamr_bringup.cli"]
@@ -122,6 +125,12 @@ sys.exit(cli.run([cli.COMMANDS[0]]))
     assert process.returncode == 130
     assert time.monotonic() - start < 20
     assert said.strip().splitlines() == [f"hamr: {COMMANDS[0]}: interrupted."]
+
+
+def test_up_offers_what_a_run_has_with_the_same_defaults():
+    offered = asdict(Up())
+    assert Run(**offered) == Run()
+    assert {field.name for field in fields(Run)} - set(offered) == {"excitation", "gains"}
 
 
 def test_result_for_people_is_a_table_and_lines():

@@ -33,6 +33,8 @@ class Command:
     """Simulated time; 0 for no end."""
     real_time_factor: float = 1.0
     """Simulated over wall time; 0 for as fast as possible."""
+    samples_per_frame: int = 16
+    """Samples kept of each 4 ms in the bag: 16 is 4 kHz, 80 is 20 kHz."""
     seed: int = 0
     """Of the initial state."""
 
