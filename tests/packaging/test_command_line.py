@@ -136,7 +136,7 @@ def test_up_offers_what_a_run_has_with_the_same_defaults():
 def test_result_for_people_is_a_table_and_lines():
     text = as_text({"ok": True, "rows": [{"name": "mass", "value": 1.41, "ok": True}, {"name": "sag", "value": None, "ok": False}]})
     assert [line.split() for line in text.splitlines()] == [
-        ["name", "value", "ok"], ["mass", "1.41", "yes"], ["sag", "-", "NO"], ["ok:", "yes"],
+        ["name", "value", "ok"], ["mass", "1.41", "yes"], ["sag", "-", "no"], ["ok:", "yes"],
     ]  # fmt: skip
 
 

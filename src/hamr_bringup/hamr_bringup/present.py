@@ -52,7 +52,7 @@ def _cell(value: Any) -> str:
         case None:
             return "-"
         case bool():
-            return "yes" if value else "NO"
+            return "yes" if value else "no"
         case float():
             return f"{value:.4g}"
         case dict():
