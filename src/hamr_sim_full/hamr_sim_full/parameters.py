@@ -40,9 +40,9 @@ def leg_parameters(leg: str, *, rail: bool = True) -> dict:
         "stop_stiffness": value("actuator.stop_stiffness"),
         "stop_damping": value("actuator.stop_damping"),
     }  # fmt: skip
-    for loop, names in {"s3": ("s3_in_chassis", "s3_in_S3"), "l3": ("l3_in_chassis", "l3_in_L3"), "fb2": ("fb2_in_S4", "fb2_in_L4")}.items():
+    for loop, links in {"s3": ("chassis", "S3"), "l3": ("chassis", "L3"), "fb2": ("S4", "L4")}.items():
         points = leg_value(leg, f"closures.{loop}")
-        parameters |= {name: tuple(float(x) for x in point) for name, point in zip(names, points, strict=True)}
+        parameters |= {f"{loop}_in_{link}": tuple(float(x) for x in point) for link, point in zip(links, points, strict=True)}
     for flexure in FLEXURES:
         parameters[f"k_{flexure}"] = get(f"flexures.{flexure}.stiffness")
         parameters[f"b_{flexure}"] = get(f"flexures.{flexure}.damping")
