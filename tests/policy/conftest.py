@@ -8,9 +8,9 @@ import pytest
 
 from hamr_policy.train import train
 
-#: As few and as short updates as PPO takes; two checkpoints lie within.
-SHORT = {"robots": 32, "rollout": 8, "batch": 64, "epochs": 2}
-STEPS = 32 * 8 * 20
+#: Short updates, so that two checkpoints lie within a second.
+SHORT = {"robots": 32, "rollout": 4, "batch": 64, "epochs": 1}
+STEPS = 32 * 4 * 110
 
 
 @pytest.fixture(scope="session")

@@ -29,17 +29,18 @@ def network(view: str, activation=torch.nn.ELU) -> ActorCriticPolicy:
     """An untrained policy whose actions reach the clipping."""
     torch.manual_seed(1)
     policy = ActorCriticPolicy(
-        observation_space(view), action_space(), lambda _: 0.0, features_extractor_class=Normalise, features_extractor_kwargs={"view": view},
-        net_arch=[64, 64], activation_fn=activation,
+        observation_space(view), action_space(), lambda _: 0.0, net_arch=[64, 64], activation_fn=activation,
+        features_extractor_class=Normalise, features_extractor_kwargs={"view": view},
     )  # fmt: skip
     with torch.no_grad():
         policy.action_net.weight.mul_(200)
     return policy
 
 
-def write(path, view: str = "heading", **changes):
-    about = {"task": "walk", "view": view, "backend": "full", "residual": "", "disturbance": "", "seed": 1, "steps": 0}
-    return export(network(view, changes.pop("activation", torch.nn.ELU)), Origin(**about), path)
+def write(path, view: str = "heading", *, activation=torch.nn.ELU, **changes):
+    """A policy file of an untrained network; changes: of its Origin."""
+    origin = {"task": "walk", "view": view, "backend": "full", "residual": "", "disturbance": "", "seed": 1, "steps": 0}
+    return export(network(view, activation), Origin(**origin | changes), path)
 
 
 def observations(view: str, n: int = 256) -> np.ndarray:
@@ -59,7 +60,8 @@ def test_the_file_computes_what_the_network_does(view, activation, tmp_path):
 
 def test_the_file_says_what_it_is(trained):
     about = Policy(trained / "policy.onnx").about
-    assert (about["task"], about["directions"], about["backend"], about["seed"]) == ("walk", {"+1": "forward", "-1": "backward"}, "simple", 3)
+    assert (about["task"], about["backend"], about["seed"]) == ("walk", "simple", 3)
+    assert about["directions"] == {"+1": "forward", "-1": "backward"}
     assert about["action"]["joints"] == list(JOINTS) and about["target_hz"] == 250
     assert [row["unit"] for row in about["observation"] if row["name"].startswith("hip_rate")] == ["rad/s"] * 8
     assert about["parameters_hash"] and about["versions"]["torch"]

@@ -55,10 +55,11 @@ def test_training_leaves_curve_checkpoint_and_tensorboard(trained):
 
 
 def test_ppo_learns_to_turn(tmp_path):
-    """60 000 steps are too few for a gait, and enough to beat chance by far."""
-    curve = np.array(train("turn", "simple", tmp_path, steps=60_000, seed=0, robots=128, rollout=16, batch=256, gamma=0.95)["curve"])
-    start, end = curve[:3, 1].mean(), curve[-3:, 1].mean()
-    assert abs(start) < 15 and end > 40
+    """40 000 steps are too few for a gait, and enough to beat chance by far."""
+    fast = {"robots": 64, "rollout": 16, "batch": 128, "epochs": 6, "learning_rate": 2e-3, "gamma": 0.8, "log_std": -0.5}
+    curve = np.array(train("turn", "simple", tmp_path, steps=40_000, seed=0, **fast)["curve"])
+    start, end = curve[:4, 1].mean(), curve[-4:, 1].mean()
+    assert abs(start) < 25 and end > 60
 
 
 def test_randomised_robots_differ_within_the_paper_s_bounds():

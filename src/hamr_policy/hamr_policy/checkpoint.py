@@ -16,7 +16,7 @@ from hamr_description.errors import ConfigError
 
 from .vector import HamrVecEnv
 
-EVERY = 12  # updates between checkpoints
+EVERY = 50  # updates between checkpoints
 
 
 class Checkpoint(BaseCallback):

@@ -19,7 +19,7 @@ class HamrEnv(gymnasium.Env):
     """One robot, 4 ms a step, episodes of 300 ms.
 
     Observation: (size,) float32, names and units in `observation.components(view)`. Action: (8,) target hip angles, 1 is 25 degrees.
-    Reward: of the task (`task.TASKS`). Terminated when the state leaves the limits of `task.fallen`, truncated after 300 ms.
+    Reward: of the task (`task.TASKS`). Terminated when `task.fallen` or `task.too_fast`, truncated after 300 ms.
     `reset(seed=..., options={"command": +1 or -1})` starts near standing (`start.stand_about`); the direction is random unless given.
 
     Args:
@@ -45,7 +45,7 @@ class HamrEnv(gymnasium.Env):
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
         outcome = self._episodes.step(np.asarray(action)[None])
         seen = self._episodes.observations()[0]
-        return seen, float(outcome.reward[0]), bool(outcome.fallen[0]), bool(outcome.over[0]), {}
+        return seen, float(outcome.reward[0]), bool(outcome.terminated[0]), bool(outcome.truncated[0]), {}
 
 
 for _id, _task in (("HamrWalk-v0", "walk"), ("HamrTurn-v0", "turn")):

@@ -12,7 +12,7 @@ from .disturbance import Disturbance
 from .observation import observe, place, relative
 from .start import stand_about
 from .state import State, wrap
-from .task import EPISODE_STEPS, PERIOD_S, TARGET_LIMIT, Task, fallen
+from .task import EPISODE_STEPS, PERIOD_S, TARGET_LIMIT, Task, fallen, too_fast
 
 SAME = 0.8  # share of the robots that go on with the same primitive, of those that go on
 
@@ -24,13 +24,15 @@ class Outcome:
     Attributes:
         reward: (n,); 0 where the state is not finite.
         pace: (n, 3), as `Task.reward` gets it.
-        fallen: (n,) the state left its limits. over: (n,) 300 ms have passed.
+        fallen: (n,) see `task.fallen`.
+        terminated: (n,) fallen, or `task.too_fast`. truncated: (n,) 300 ms have passed, and not terminated.
     """
 
     reward: np.ndarray
     pace: np.ndarray
     fallen: np.ndarray
-    over: np.ndarray
+    terminated: np.ndarray
+    truncated: np.ndarray
 
 
 class Episodes:
@@ -94,5 +96,6 @@ class Episodes:
         pace = (relative(self._here, self._start) - relative(before, self._start)) / PERIOD_S
         pace[:, 2] = wrap(pace[:, 2] * PERIOD_S) / PERIOD_S
         reward = self.task.reward(self.command, pace, self.state)
-        lost = fallen(self.state)
-        return Outcome(np.where(np.isfinite(reward), reward, 0.0), pace, lost, (self.steps >= EPISODE_STEPS) & ~lost)
+        down = fallen(self.state)
+        terminated = down | too_fast(self.state)
+        return Outcome(np.where(np.isfinite(reward), reward, 0.0), pace, down, terminated, (self.steps >= EPISODE_STEPS) & ~terminated)

@@ -23,8 +23,8 @@ ENDURANCE_S = 5.0
 
 
 def evaluate(
-    policies: Sequence[str | Path], backends: Sequence[str] = ("full",), *, residual: str | Path = "", rollouts: int = 5, seed: int = 0
-) -> dict:
+    policies: Sequence[str | Path], backends: Sequence[str] = ("full",), *, residual: str | Path = "", rollouts: int = 5, seed: int = 0,
+) -> dict:  # fmt: skip
     """Runs policies, one file a training seed, and sums up those of equal task and training.
 
     Args:
@@ -36,7 +36,7 @@ def evaluate(
 
     Returns:
         rows: [{task, direction, trained_on, run_on, quantity, unit, mean, std, n, reference, by_seed}]. Quantities: speed (BL/s) or
-        turning_rate (deg/s), reward (sum over 300 ms), transfer (reward over that on the training backend), upright (s of 5 without a fall).
+        turning_rate (deg/s), reward (sum over 300 ms), transfer (reward over that on the training backend), upright (s of 5 before a fall).
         mean, std: over all n roll-outs, for transfer over policies. by_seed: mean of each policy.
     """
     groups: dict[tuple[str, str, str], list[Policy]] = defaultdict(list)

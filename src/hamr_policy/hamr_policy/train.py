@@ -45,14 +45,14 @@ class Settings:
     steps: int = 1_000_000
     seed: int = 0
     robots: int = 256
-    rollout: int = 32
-    batch: int = 1024
-    epochs: int = 8
+    rollout: int = 8
+    batch: int = 512
+    epochs: int = 5
     learning_rate: float = 1e-3
     gamma: float = 0.98
     gae_lambda: float = 0.95
-    log_std: float = -0.5
-    going: float = 0.75
+    log_std: float = -1.0
+    going: float = 0.9
     hidden: tuple[int, ...] = (64, 64)
 
 

@@ -31,7 +31,7 @@ class HamrVecEnv(VecEnv):
         super().__init__(episodes.n, observation_space(episodes.view), action_space())
 
     def restart(self, seed: int) -> np.ndarray:
-        """New episodes everywhere, with random numbers from a seed; the first ones are cut to random lengths, which spreads later starts."""
+        """New episodes everywhere, with random numbers from a seed; the first ones have random lengths, which spreads later starts."""
         self.episodes.rng = np.random.default_rng(seed)
         self.episodes.begin()
         self.episodes.steps[:] = self.episodes.rng.integers(0, EPISODE_STEPS, self.num_envs)
@@ -52,14 +52,14 @@ class HamrVecEnv(VecEnv):
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict]]:
         outcome = self.episodes.step(self._actions)
         self._sums += outcome.reward
-        seen, done = self.episodes.observations(), outcome.fallen | outcome.over
+        seen, done = self.episodes.observations(), outcome.terminated | outcome.truncated
         infos: list[dict] = [{} for _ in range(self.num_envs)]
         for i in np.flatnonzero(done):
             episode = {"r": float(self._sums[i]), "l": int(self.episodes.steps[i]), "t": 0.0}
-            infos[i] = {"terminal_observation": seen[i], "TimeLimit.truncated": bool(outcome.over[i]), "episode": episode}
+            infos[i] = {"terminal_observation": seen[i], "TimeLimit.truncated": bool(outcome.truncated[i]), "episode": episode}
         if done.any():
             self._sums[done] = 0.0
-            going = outcome.over & (self.episodes.rng.random(self.num_envs) < self._going)
+            going = outcome.truncated & (self.episodes.rng.random(self.num_envs) < self._going)
             self.episodes.begin(done, going=going)
             seen = np.where(done[:, None], self.episodes.observations(), seen)
         return seen, outcome.reward.astype(np.float32), done, infos
