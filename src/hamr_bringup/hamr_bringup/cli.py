@@ -22,7 +22,7 @@ from hamr_description.errors import HamrError
 from .environment import prepare
 from .present import as_json_text, as_text
 
-COMMANDS = ("demo", "up", "run", "collect", "train", "eval", "check", "bag", "render", "doctor")  # in the order of the help
+COMMANDS = ("demo", "up", "run", "collect", "train", "eval", "check", "bench", "bag", "render", "doctor")  # in the order of the help
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 AS_JSON = "--json"
