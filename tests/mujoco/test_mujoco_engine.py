@@ -173,7 +173,7 @@ def test_feet_neither_sink_nor_get_pulled():
             mujoco.mj_contactForce(engine.model, engine.data, i, wrench)
             deepest, pull = min(deepest, engine.data.contact[i].dist), min(pull, wrench[0])
             assert np.hypot(wrench[1], wrench[2]) <= 0.51 * wrench[0] * (1 + 1e-6) + 1e-9
-    assert -0.03 < deepest < 0.0
+    assert -0.1 < deepest < 0.0, "mm: blows on a spring of 2 N/mm"
     assert pull >= 0.0
 
 

@@ -15,6 +15,8 @@ from numba import njit
 from hamr_description import units
 from hamr_description.names import BASE_FRAME
 
+from .mujoco_contact import set_contact
+
 BAD_NUMBERS = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
 
@@ -46,6 +48,7 @@ class MujocoEngine:
         self.backend = backend
         self.environment = environment
         self.model = mujoco.MjModel.from_xml_string(xml)
+        set_contact(self.model)
         self.data = mujoco.MjData(self.model)
         self._readout = readout(self.model, self.data)
         self._ctrl = self.data.ctrl
