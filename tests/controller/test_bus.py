@@ -63,9 +63,9 @@ def period(end: SimulatorEnd, number: int) -> tuple[Reply, np.ndarray]:
     return reply, volts
 
 
-def until(end: SimulatorEnd, number: int, wanted: Reply) -> int:
+def until(end: SimulatorEnd, first: int, wanted: Reply) -> int:
     """Periods until the wanted reply; the number of the next."""
-    for number in range(number, number + 2_000_000):
+    for number in range(first, first + 2_000_000):
         if period(end, number)[0] is wanted:
             return number + 1
     raise AssertionError("never")

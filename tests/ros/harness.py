@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from hamr_bags.bag import open_bag
+from hamr_bags.recorder_node import PERIODIC
 from hamr_bringup.executables import executables
 from hamr_bringup.graph import NodeSpec
 from hamr_controller.ros import qos
@@ -134,8 +137,6 @@ class Observer:
 
 def domain_lock(folder: Path) -> tuple[int, int]:
     """A ROS domain that no other test has, and the descriptor that holds it."""
-    import fcntl
-
     folder.mkdir(exist_ok=True)
     for domain in range(1, 102):
         descriptor = os.open(folder / str(domain), os.O_CREAT | os.O_RDWR)
@@ -145,3 +146,13 @@ def domain_lock(folder: Path) -> tuple[int, int]:
         except BlockingIOError:
             os.close(descriptor)
     raise AssertionError("all ROS domains are taken")
+
+
+def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
+    """Stamps and bytes of all messages of the periodic topics."""
+    found: dict[str, list[tuple[int, bytes]]] = {}
+    with open_bag(bag) as opened:
+        for message in opened.messages():
+            if message.topic in PERIODIC:
+                found.setdefault(message.topic, []).append((message.log_ns, bytes(message.raw)))
+    return {topic: sorted(messages) for topic, messages in found.items()}

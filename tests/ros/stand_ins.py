@@ -13,13 +13,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "controller"))
 
-from toy import ToyEngine  # noqa: E402
+from toy import ToyEngine
 
-from hamr_controller.ros.parameters import parameter  # noqa: E402
-from hamr_controller.ros.process import run_node  # noqa: E402
-from hamr_controller.ros.simulator import SimulatorNode  # noqa: E402
-from hamr_controller.ros.simulator_parameters import SimulatorParameters  # noqa: E402
-from hamr_policy import pilot, policy_node  # noqa: E402
+from hamr_controller.ros.parameters import parameter
+from hamr_controller.ros.process import run_node
+from hamr_controller.ros.simulator import SimulatorNode
+from hamr_controller.ros.simulator_parameters import SimulatorParameters
+from hamr_policy import pilot, policy_node
 
 
 @dataclass(frozen=True, slots=True)

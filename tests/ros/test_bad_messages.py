@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf, nan
 
 from geometry_msgs.msg import Twist
+from harness import until
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 
@@ -86,9 +87,10 @@ def test_bad_commands_and_states_for_the_policy(graph, observe):
             publishers[Topic.JOINT_STATES].publish(joints)
             observer.spin()
 
-        from harness import until
+        def answers() -> list[JointState]:
+            return [message for message in observer.heard[Topic.LEG_TARGETS] if message.header.stamp == joints.header.stamp]
 
-        fresh = until(lambda: [m for m in observer.heard[Topic.LEG_TARGETS] if m.header.stamp == joints.header.stamp], "targets", send_again)
+        fresh = until(answers, "targets", send_again)
         assert all(list(m.position) == list(fresh[0].position) for m in fresh)  # a state sent again has the same answer
         return list(fresh[0].position)
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from pathlib import Path
 
 import pytest
+from harness import Process, contents
 
-from hamr_bags.bag import open_bag
-from hamr_bags.recorder_node import PERIODIC
-from hamr_bringup.graph import Run, graph as graph_of
+from hamr_bringup.graph import Run
+from hamr_bringup.graph import graph as graph_of
 from hamr_description.names import Topic
 
 HERE = Path(__file__).parent
@@ -39,35 +40,19 @@ else:
 """
 
 
-def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
-    """Stamps and bytes of all messages of the periodic topics."""
-    found: dict[str, list[tuple[int, bytes]]] = {}
-    with open_bag(bag) as opened:
-        for message in opened.messages():
-            if message.topic in PERIODIC:
-                found.setdefault(message.topic, []).append((message.log_ns, bytes(message.raw)))
-    return {topic: sorted(messages) for topic, messages in found.items()}
-
-
 @pytest.mark.parametrize("kind", RUNS)
 def test_three_ways_one_result(kind, graph, tmp_path):
-
-
     options = {**RUNS[kind], "seconds": PERIODS * 0.004, "real_time_factor": 0.0, "seed": 2}
-    alone = [
-        graph.run(way, sys.executable, "-c", ONE_PROCESS, str(HERE), way, json.dumps({**options, "bag": str(tmp_path / way)}))
-        for way in ("direct",)
-    ]
-    specs = graph_of(Run(**options, bag=str(tmp_path / "processes")))
-    nodes = [graph.start_spec(spec) for spec in specs]
-    assert nodes[0].ended() == 0, nodes[0].said
-    for node in nodes[1:]:
-        node.signal(2)
-        assert node.ended() == 0, node.said
-    alone.append(
-        graph.run("composed", sys.executable, "-c", ONE_PROCESS, str(HERE), "composed", json.dumps({**options, "bag": str(tmp_path / "composed")}))
-    )
-    for process in alone:
+
+    def in_one_process(way: str) -> Process:
+        return graph.run(way, sys.executable, "-c", ONE_PROCESS, str(HERE), way, json.dumps({**options, "bag": str(tmp_path / way)}))
+
+    direct = in_one_process("direct")
+    simulator, *others = [graph.start_spec(spec) for spec in graph_of(Run(**options, bag=str(tmp_path / "processes")))]
+    assert simulator.ended() == 0, simulator.said
+    for node in others:
+        assert node.signal(signal.SIGINT).ended() == 0, node.said
+    for process in (direct, in_one_process("composed")):
         assert process.ended() == 0, process.said
     expected = contents(tmp_path / "direct")
     wanted = {Topic.CLOCK, Topic.ODOM, Topic.JOINT_STATES, Topic.SERVO_JOINTS, Topic.SERVO_ACTUATORS, Topic.SERVO_VOLTAGES}

@@ -62,7 +62,12 @@ def test_whole_numbers_are_taken_for_real_ones_and_the_rest_are_the_defaults(ros
 
 @pytest.mark.parametrize(
     ("key", "said"),
-    [("leg_controller", ""), ("/**", ""), ("/leg_controller", ""), ("leg_controler", r"no parameters for /leg_controller; it names leg_controler\.")],
+    [
+        ("leg_controller", ""),
+        ("/**", ""),
+        ("/leg_controller", ""),
+        ("leg_controler", r"no parameters for /leg_controller; it names leg_controler\."),
+    ],
 )
 def test_a_parameter_file_must_speak_to_the_node(ros, tmp_path, key, said):
     file = tmp_path / "parameters.yaml"

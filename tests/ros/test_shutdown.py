@@ -46,7 +46,7 @@ def test_ctrl_c_ends_the_graph_in_order_with_a_readable_bag(graph, observe, tmp_
     supervisor.signal(signal.SIGINT)
     supervisor.signal(signal.SIGINT)
     assert supervisor.ended() == 0, supervisor.said
-    result = json.loads(supervisor.said[supervisor.said.index("{\"domain") :])
+    result = json.loads(supervisor.said[supervisor.said.index('{"domain') :])
     assert result["nodes"] == {"simulator": 0, "excitation": 0, "recorder": 0}  # nobody had to be killed, which comes after 1.8 s
     assert "Traceback" not in supervisor.said
     recording = load(bag)

@@ -138,4 +138,5 @@ def _simulator(run: Run, parameters: dict[str, object]) -> NodeSpec:
         parameters["friction"] = float(run.friction)
     if run.backend == "full":
         return NodeSpec("hamr_sim_full", "sim", "simulator", parameters, ends_run=True)
-    return NodeSpec("hamr_sim_residual", "sim", "simulator", {**parameters, "backend": run.backend, "residual": run.residual}, ends_run=True)
+    parameters |= {"backend": run.backend, "residual": run.residual}
+    return NodeSpec("hamr_sim_residual", "sim", "simulator", parameters, ends_run=True)

@@ -11,6 +11,8 @@ after (acquire). Each end writes cache lines of its own:
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numba import njit
 
@@ -19,6 +21,7 @@ from hamr_description.rates import SUBSTEPS
 
 from .atomics import await_number, current_cpu, load_acquire, post
 from .law import signed_law
+from .plan import Plan
 
 SAMPLE_WORD, SIMULATOR_CPU, SIMULATOR_WAITS, SAMPLE_REALS = 16, 17, 18, 24
 ANSWER_WORD, DRIVER_CPU, DRIVER_WAITS, JOINS_WORD, DRIVER_PID_WORD, VOLT_REALS = 48, 49, 50, 51, 52, 56
@@ -107,9 +110,19 @@ def drive(words, reals, first, k, feed, target, kp, kd, volts, limit_ns):
     return SUBSTEPS
 
 
+@cache
 def warm_up() -> None:
-    """Compile, or load from the cache, what both ends call: seconds that belong before the first period."""
-    words, reals = np.zeros(64, np.int64), np.zeros(64)
-    sample, volts, eight = np.zeros((2, _N)), np.zeros((SUBSTEPS, _N)), np.zeros(_N)
-    exchange(words, reals, 1, sample, eight, 0)
-    drive(words, reals, 1, 0, volts, eight, eight, eight, volts, 0)
+    """Compile, or load from the cache, what both ends call: seconds that belong before the first period, and no more after it."""
+    words, reals, sample, volts = np.zeros(64, np.int64), np.zeros(64), np.zeros((2, _N)), np.zeros((SUBSTEPS, _N))
+    plan = Plan.neutral()
+    calls = {
+        post_sample: (words, reals, 0, sample),
+        await_answer: (words, 1, 1, 0),
+        await_sample: (words, 1, 1, 0),
+        take_answer: (words, reals, 1, volts[0]),
+        exchange: (words, reals, 1, sample, volts[0], 0),
+        drive: (words, reals, 1, 0, plan.feed, plan.target, plan.kp, plan.kd, volts, 0),
+    }
+    for function, arguments in calls.items():
+        function(*arguments)
+        function.disable_compile()  # other types of arguments are a mistake, and must not cost seconds amid a run

@@ -15,8 +15,6 @@ JOINT_COUNT = len(JOINTS)
 PLAN_FEED = SUBSTEPS * JOINT_COUNT  # numbers of the feed in `Plan.memory`
 _NEUTRAL_FEED = np.full((SUBSTEPS, JOINT_COUNT), NEUTRAL_VOLT)
 _NONE = np.zeros(JOINT_COUNT)
-for _array in (_NEUTRAL_FEED, _NONE):
-    _array.setflags(write=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +32,13 @@ class Plan:
     target: np.ndarray
     kp: np.ndarray
     kd: np.ndarray
+
+    def __post_init__(self) -> None:
+        # Compiled code takes writable and read-only arrays for two types, and would be compiled anew amid a run for the other one.
+        for name in self.__slots__:
+            array = np.ascontiguousarray(getattr(self, name), float).view()
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
 
     @classmethod
     def neutral(cls) -> Plan:

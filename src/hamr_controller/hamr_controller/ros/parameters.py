@@ -102,4 +102,3 @@ def _check_files(node: Node, arguments: Sequence[str]) -> None:
             full = node.get_fully_qualified_name()
             if not any(fnmatch(full, pattern) or pattern == node.get_name() for pattern in keys):
                 raise ConfigError(f"{file} has no parameters for {full}; it names {', '.join(keys) or 'no node'}.")
-

@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 from time import monotonic
 
-import numpy as np
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
