@@ -34,9 +34,9 @@ from .simple import simple_parameters
 
 PHYSICS = ("surrogate", "step", "euler")
 HORIZON_MS, BATCH = 8.0, 8  # windows of the paper
-ONE_STEP_BATCH = 512
-UPDATES = {"one-step": 4000, "multi-step": 1200}
-RATES = {"one-step": 5e-3, "multi-step": 1e-3}
+ONE_STEP_BATCH = 256
+UPDATES = {"one-step": 20_000, "multi-step": 600}
+RATES = {"one-step": 5e-3, "multi-step": 3e-4}
 WEIGHTS = (1.0, 1.0, 0.1)
 EULER_EVERY = 5  # 0.25 ms
 SAVE_EVERY = 200
@@ -199,7 +199,7 @@ def learn(parts: Sequence[Stretch], law: Mlp, physics: str, seed: int, checkpoin
     with tqdm(total=(surrogate.UPDATES if physics != "step" else 0) + sum(UPDATES.values()), disable=not progress, unit="") as bar:
         if physics != "step":
             bar.set_description("surrogate")
-            trainer.f = surrogate.learn(trainer.step, law.legs, np.random.default_rng([seed, 0]), bar.update)
+            trainer.f = surrogate.learn(law.legs, np.random.default_rng([seed, 0]), bar.update)
             figures["surrogate_error"] = trainer.f.error
         weights = trainer.net.initial(np.random.default_rng([seed, 1]))
         for number, (phase, loss, pool, size) in enumerate(phases):

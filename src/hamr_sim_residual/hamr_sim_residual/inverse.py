@@ -28,9 +28,14 @@ def torques(q, v, p: Mapping) -> tuple[np.ndarray, np.ndarray]:
     """
     after = np.diff(v, axis=0) / SERVO_MS
     before = np.vstack([np.zeros((1, 2)), after[:-1]])
-    state = LegState(*(tuple(x.T) for x in (q[:-1], v[:-1], before)))
+    return torque(q[:-1], v[:-1], before, after, p), before
+
+
+def torque(q, v, before, after, p: Mapping) -> np.ndarray:
+    """Torques (n, 2) under which steps from q, v with last accelerations `before` have accelerations `after`; (n, 2) each."""
+    state = LegState(*(tuple(x.T) for x in (q, v, before)))
     pose, v_mid = ahead(state, SERVO_MS)
     leg = rigid_leg(pose, state.v, (0.0, 0.0), p)
     terms = inertia(leg.bodies, v_mid, ZERO3, (0.0, 0.0, value("robot.gravity")))
     push = times2(implicit(terms.leg, leg, SERVO_MS), tuple(after.T))
-    return np.stack([m - f + b for m, f, b in zip(push, leg.force, terms.leg_bias, strict=True)], axis=1), before
+    return np.stack([m - f + b for m, f, b in zip(push, leg.force, terms.leg_bias, strict=True)], axis=1)
