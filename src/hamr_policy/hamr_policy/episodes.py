@@ -97,5 +97,5 @@ class Episodes:
         pace[:, 2] = wrap(pace[:, 2] * PERIOD_S) / PERIOD_S
         reward = self.task.reward(self.command, pace, self.state)
         down = fallen(self.state)
-        terminated = down | too_fast(self.state)
+        terminated = down | too_fast(pace)
         return Outcome(np.where(np.isfinite(reward), reward, 0.0), pace, down, terminated, (self.steps >= EPISODE_STEPS) & ~terminated)

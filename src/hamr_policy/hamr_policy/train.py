@@ -48,8 +48,8 @@ class Settings:
     rollout: int = 8
     batch: int = 512
     epochs: int = 5
-    learning_rate: float = 1e-3
-    gamma: float = 0.98
+    learning_rate: float = 2e-3
+    gamma: float = 0.97
     gae_lambda: float = 0.95
     log_std: float = -1.0
     going: float = 0.9
