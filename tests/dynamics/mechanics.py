@@ -43,7 +43,8 @@ def motion(sim: BatchSim, robot: int = 0, *, gravity: float = 0.0) -> Motion:
             rate = np.array([c.rate(v) for c in body.com], float)
             spin = sum(np.array(axis, float) * angle.rate(v) for axis, angle in body.turns) if body.turns else np.zeros(3)
             flip = np.array([sx, sy, 1.0])
-            bodies.append((body.mass, tensor(body.inertia) * np.outer(flip, flip), flip * point, flip * rate, np.array([sy, sx, sx * sy]) * spin))
+            inertia = tensor(body.inertia) * np.outer(flip, flip)
+            bodies.append((body.mass, inertia, flip * point, flip * rate, np.array([sy, sx, sx * sy]) * spin))
         potential += springs(sim.plant.name, q, parameters)
     if sim.environment == "suspended":
         bodies = bodies[1:]

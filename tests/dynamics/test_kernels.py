@@ -1,4 +1,4 @@
-"""Compiled kernels: they compute what the traces say, the same in every lane, block size and precision, and the same bits on every start."""
+"""Compiled kernels compute what the traces say, the same in every lane, block size and precision, and the same bits on every start."""
 
 from __future__ import annotations
 

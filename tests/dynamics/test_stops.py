@@ -32,7 +32,8 @@ def test_a_stop_never_pulls(x, rate):
 @given(st.floats(0, 1, **finite), st.floats(-0.3, 0.3, **finite))
 def test_a_stop_is_a_spring_and_damper_while_pressed(depth, rate):
     stop = stop_force(STOP + depth, rate, -STOP, STOP, **LAW)
-    assert float(stop.force) == pytest.approx(-max(LAW["stiffness"] * ((STOP + depth) - STOP) + LAW["damping"] * rate, 0.0) * (depth > 0), abs=1e-12)
+    push = max(LAW["stiffness"] * ((STOP + depth) - STOP) + LAW["damping"] * rate, 0.0) * (depth > 0)
+    assert float(stop.force) == pytest.approx(-push, abs=1e-12)
 
 
 HALVES = np.unique(np.round(np.geomspace(5, 100, 12)).astype(int))  # half periods in units of 0.5 ms: 200 to 10 Hz

@@ -64,7 +64,8 @@ def test_division_and_root_are_traced(a, b):
     stage = Stage("f", {"in": ("x", "y")}, {"out": ("value",)}, graph)
     x, y = stage.read("in", "x"), stage.read("in", "y")
     stage.write("out", "value", scalar.sqrt(x) / (1.0 + y * y) + y / 3.0)
-    assert evaluate(stage, {"in": np.array([[a], [b]])})["out"][0, 0] == pytest.approx(math.sqrt(a) / (1 + b * b) + b / 3, rel=1e-14, abs=1e-14)
+    out = evaluate(stage, {"in": np.array([[a], [b]])})["out"][0, 0]
+    assert out == pytest.approx(math.sqrt(a) / (1 + b * b) + b / 3, rel=1e-14, abs=1e-14)
 
 
 def test_equal_expressions_are_recorded_once():

@@ -20,7 +20,9 @@ BLOCK = f"""
       <geom name="block" size="0.001" mass="{MASS}" contype="0" conaffinity="0"/>
     </body>
   </worldbody>
-  <contact><pair geom1="floor" geom2="block" condim="3" friction="{FRICTION} {FRICTION} 0 0 0" solref="0.1 1" solimp="0.99 0.99 0.001 0.5 2"/></contact>
+  <contact>
+    <pair geom1="floor" geom2="block" condim="3" friction="{FRICTION} {FRICTION} 0 0 0" solref="0.1 1" solimp="0.99 0.99 0.001 0.5 2"/>
+  </contact>
 </mujoco>"""
 
 

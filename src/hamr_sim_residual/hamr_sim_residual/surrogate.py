@@ -4,8 +4,8 @@ It maps (q, v, torque) to the acceleration over a 50 us step. The paper leaves i
 distributed and scaled to fit [-1, 1]". Here q, v and the acceleration are normal with the SPREAD below, about half as much
 again as white noise at full drive shows, q kept inside the stops; the torque is what inverse dynamics gives for them.
 Independent torques would do worse: most of a torque goes into the spring, so nearly all samples would lie at accelerations
-that no run shows (measured after one-step training, position at 8 ms: 16 times better than HAMR-simple, against 131). Front and rear legs differ slightly, so one more input says which
-it is (leg scope).
+that no run shows (measured after one-step training, position at 8 ms: 16 times better than HAMR-simple, against 131).
+Front and rear legs differ slightly, so one more input says which it is (leg scope).
 """
 
 from __future__ import annotations
