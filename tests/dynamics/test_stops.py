@@ -32,7 +32,8 @@ def test_a_stop_never_pulls(x, rate):
 @given(st.floats(0, 1, **finite), st.floats(-0.3, 0.3, **finite))
 def test_a_stop_is_a_spring_and_damper_while_pressed(depth, rate):
     stop = stop_force(STOP + depth, rate, -STOP, STOP, **LAW)
-    push = max(LAW["stiffness"] * ((STOP + depth) - STOP) + LAW["damping"] * rate, 0.0) * (depth > 0)
+    pressed = (STOP + depth) - STOP  # as the law sees it: a depth below rounding is none
+    push = max(LAW["stiffness"] * pressed + LAW["damping"] * rate, 0.0) * (pressed > 0)
     assert float(stop.force) == pytest.approx(-push, abs=1e-12)
 
 
