@@ -8,7 +8,7 @@ import numpy as np
 
 from hamr_description.rates import SERVO_MS
 from hamr_dynamics import stages
-from hamr_dynamics.batch import DRIVE_SIGN, BatchSim
+from hamr_dynamics.batch import DRIVE_SIGN, SIGN, BatchSim
 from hamr_dynamics.emit import Stage
 from hamr_dynamics.trace import Var
 
@@ -76,3 +76,18 @@ class Interpreter:
         """(n, size) of the chassis state."""
         i = stages.BASE.index(f"{name}.0")
         return self.arrays["base"][i : i + size].T
+
+
+class Seen:
+    """An interpreter's robots with the attributes of the BatchSim that they came from."""
+
+    def __init__(self, sim: BatchSim, robot: Interpreter) -> None:
+        self._sim, self._robot = sim, robot
+
+    def __getattr__(self, name: str):
+        legs, bases = {"q": "q", "qd": "v"}, {"position": 3, "quaternion": 4, "velocity": 3, "angular_velocity": 3}
+        if name in legs:
+            return self._robot.leg_rows("state", stages.STATE, legs[name], 2).reshape(-1, 8) * SIGN
+        if name in bases:
+            return self._robot.base_rows("omega" if name == "angular_velocity" else name, bases[name])
+        return getattr(self._sim, name)
