@@ -7,7 +7,7 @@ from numba import njit
 
 from hamr_controller.atomics import monotonic_ns
 from hamr_controller.law import NEUTRAL_VOLT, TORQUE_SIGN
-from hamr_description.rates import SERVO_HZ, SUBSTEPS
+from hamr_description.rates import SERVO_HZ, SUBSTEPS, TARGET_HZ
 
 # HAMR-simple's numbers at rest (swing, lift): kg m^2, N m/rad, N m s/rad, N m/V; coupling left out
 INERTIA = np.tile([1.035e-9, 1.941e-9], 4)
@@ -42,10 +42,11 @@ def _measure(state, sample):
 @njit(cache=True, nogil=True)
 def _servo_period(answer, memory, samples, volts, k, state, busy_ns):
     for i in range(k, SUBSTEPS):
-        _measure(state, samples[i])
-        if not answer(memory, i, samples[i], volts[i]):
-            return i
         _step(state, volts[i], busy_ns)
+        if i + 1 < SUBSTEPS:
+            _measure(state, samples[i + 1])
+            if not answer(memory, i + 1, samples[i + 1], volts[i + 1]):
+                return i + 1
     return SUBSTEPS
 
 
@@ -55,18 +56,21 @@ class ToyEngine:
     Args:
         environment: as for any engine.
         busy_us: wall time that a substep takes at least, to stand for real physics in measurements.
+        breaks_at: sim time in s since reset at which the state becomes NaN; 0 for never.
     """
 
     backend, engine = "toy", "toy"
 
-    def __init__(self, environment: str = "ground", busy_us: float = 0.0):
+    def __init__(self, environment: str = "ground", busy_us: float = 0.0, breaks_at: float = 0.0):
         self.environment, self._busy_ns = environment, round(busy_us * 1e3)
+        self._breaks_at = round(breaks_at * TARGET_HZ)
         self._state = np.zeros((5, 8))
         self.reset()
 
     def reset(self, seed: int = 0) -> None:
         self._state[:] = 0.0
         self._state[0] = 0.01 * np.random.default_rng(seed).standard_normal(8)
+        self._periods = 0
 
     def measure(self, sample: np.ndarray) -> None:
         _measure(self._state, sample)
@@ -75,6 +79,9 @@ class ToyEngine:
         _step(self._state, volts, self._busy_ns)
 
     def servo_period(self, answer, memory: np.ndarray, samples: np.ndarray, volts: np.ndarray, k: int) -> int:
+        self._periods += k == 0
+        if self._breaks_at and self._periods == self._breaks_at:
+            self._state[0] = np.nan
         return _servo_period(answer, memory, samples, volts, k, self._state, self._busy_ns)
 
     def base(self, out: np.ndarray) -> None:

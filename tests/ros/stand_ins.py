@@ -27,6 +27,7 @@ class ToyParameters(SimulatorParameters):
     backend: str = parameter("", "taken for the graph's sake")
     residual: str = parameter("", "taken for the graph's sake")
     busy_us: float = parameter(0.0, "wall time of a substep")
+    breaks_at: float = parameter(0.0, "s of sim time since reset at which the state becomes NaN; 0 for never")
 
 
 class Sway:
@@ -52,7 +53,8 @@ pilot.load = policy_node.load = load
 
 
 def make_simulator(node, parameters, spinner, end=None) -> SimulatorNode:
-    return SimulatorNode(node, parameters, spinner, ToyEngine(parameters.environment, parameters.busy_us), end)
+    engine = ToyEngine(parameters.environment, parameters.busy_us, parameters.breaks_at)
+    return SimulatorNode(node, parameters, spinner, engine, end)
 
 
 def main() -> None:

@@ -64,6 +64,7 @@ class SimulatorEnd:
 
     def __init__(self, run: str, *, patience_s: float = 1.0):
         bus.warm_up()
+        answers.over_the_bus()
         self._file = create(bus_path(run))
         self._words, self._reals = self._file.words, self._file.reals
         self._slices = max(1, round(patience_s * 1e9 / SLICE_NS))

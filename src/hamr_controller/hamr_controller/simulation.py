@@ -15,6 +15,7 @@ from . import answers
 from .bus_ends import Reply
 from .law import NEUTRAL_VOLT
 from .messages import BASE_SIZE, ROWS
+from .plan import Plan
 
 _LAG_S = 0.1  # wall time behind schedule that is given up
 
@@ -52,17 +53,18 @@ class Simulation:
         self.samples = np.zeros((SUBSTEPS, ROWS, len(JOINTS)))
         self.volts = np.zeros((SUBSTEPS, len(JOINTS)))
         self.base = np.zeros(BASE_SIZE)
-        self._compiled = getattr(engine, "servo_period", None)  # see hamr_controller.answers
+        self._servo_period = getattr(engine, "servo_period", None)  # see hamr_controller.answers
         self._warm_up()
 
     def _warm_up(self) -> None:
-        """Whatever the engine compiles at its first step belongs before the first period."""
+        """What the engine compiles when it is first used belongs before the first period."""
         self.engine.measure(self.samples[0])
         self.engine.base(self.base)
-        self.engine.substep(np.full(len(JOINTS), NEUTRAL_VOLT))
-        if self._compiled:
-            self._compiled(answers.over_the_bus(), np.zeros(0), self.samples, self.volts, SUBSTEPS)
-            self._compiled(answers.by_plan(), np.zeros(0), self.samples, self.volts, SUBSTEPS)
+        self.volts[:] = NEUTRAL_VOLT
+        if self._servo_period:
+            self._servo_period(answers.by_plan(), Plan.neutral().memory, self.samples, self.volts, 0)
+        else:
+            self.engine.substep(self.volts[0])
         self.engine.reset(self._seed)
 
     @property
@@ -82,21 +84,20 @@ class Simulation:
 
     def run(self) -> None:
         """The 80 substeps of the period; `volts[0]` is there (see End.poll)."""
-        engine, end, samples, volts = self.engine, self.end, self.samples, self.volts
-        engine.substep(volts[0])
-        k = 1
-        while k < SUBSTEPS:
-            if self._compiled:
-                k = self._compiled(*end.compiled(), samples, volts, k)
-                if k == SUBSTEPS:
-                    break
-            else:
-                engine.measure(samples[k])
-            end.answer(k, samples[k], volts[k])
-            engine.substep(volts[k])
-            k += 1
-        end.finish(volts)
+        k = 0
+        while (k := self._hold(k)) < SUBSTEPS:
+            self.end.answer(k, self.samples[k], self.volts[k])
+        self.end.finish(self.volts)
         self.period += 1
+
+    def _hold(self, k: int) -> int:
+        """Hold volts[k], and go on as far as the engine can; the sample that is measured and has no voltages yet, or 80."""
+        if self._servo_period:
+            return self._servo_period(*self.end.compiled(), self.samples, self.volts, k)
+        self.engine.substep(self.volts[k])
+        if k + 1 < SUBSTEPS:
+            self.engine.measure(self.samples[k + 1])
+        return k + 1
 
     def reset(self) -> None:
         """Start anew from the initial state. The clock goes on and leaves a period out, so that everyone sees the cut."""
