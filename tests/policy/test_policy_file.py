@@ -18,7 +18,7 @@ from hamr_description.names import JOINTS
 from hamr_policy.export import Origin, export
 from hamr_policy.network import Normalise
 from hamr_policy.observation import VIEWS, components, observe, place
-from hamr_policy.policy_file import KEY
+from hamr_policy.policy_file import KEY, interface
 from hamr_policy.runtime import Policy, PolicyRuntime
 from hamr_policy.spaces import action_space, observation_space
 from hamr_policy.state import State
@@ -62,6 +62,7 @@ def test_the_file_says_what_it_is(trained):
     about = Policy(trained / "policy.onnx").about
     assert (about["task"], about["backend"], about["seed"]) == ("walk", "simple", 3)
     assert about["directions"] == {"+1": "forward", "-1": "backward"}
+    assert about["normalisation"]["scale"] == [row["scale"] for row in components(about["view"])]
     assert about["action"]["joints"] == list(JOINTS) and about["target_hz"] == 250
     assert [row["unit"] for row in about["observation"] if row["name"].startswith("hip_rate")] == ["rad/s"] * 8
     assert about["parameters_hash"] and about["versions"]["torch"]
@@ -141,7 +142,7 @@ def test_a_network_of_another_size_than_described_is_refused(tmp_path):
     path = write(tmp_path / "p.onnx", "nowhere")
     model = onnx.load(path)
     about = json.loads(model.metadata_props[0].value)
-    helper.set_model_props(model, {KEY: json.dumps({**about, "view": "heading", "observation": components("heading")})})
+    helper.set_model_props(model, {KEY: json.dumps({**about, **interface("walk", "heading"), "view": "heading"})})
     onnx.save(model, path)
     with pytest.raises(ModelError, match="input and output"):
         PolicyRuntime(path)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
+from tqdm import tqdm
 
 from hamr_description.errors import ConfigError
 
@@ -20,6 +21,7 @@ from .runtime import Policy
 from .task import EPISODE_S, TASKS
 
 ENDURANCE_S = 5.0
+Pair = tuple[RollOut, RollOut]  # of an episode, and of ENDURANCE_S
 
 
 def evaluate(
@@ -39,24 +41,26 @@ def evaluate(
         turning_rate (deg/s), reward (sum over 300 ms), transfer (reward over that on the training backend), upright (s of 5 before a fall).
         mean, std: over all n roll-outs, for transfer over policies. by_seed: mean of each policy.
     """
-    groups: dict[tuple[str, str, str], list[Policy]] = defaultdict(list)
-    for policy in map(Policy, policies):
-        groups[policy.about["task"], policy.about["backend"], policy.about["disturbance"]].append(policy)
+    opened = [Policy(path) for path in policies]
+    for policy in opened:
+        _same_residual(policy, residual)
+    jobs = [(policy, on) for policy in opened for on in dict.fromkeys((policy.about["backend"], *backends))]
+    runs = {job: _run(*job, residual, rollouts, seed) for job in tqdm(jobs, desc="evaluate", disable=None)}
+    groups: dict[tuple[str, str, str, str], list[Policy]] = defaultdict(list)
+    for policy, on in jobs:
+        groups[policy.about["task"], policy.about["backend"], policy.about["disturbance"], on].append(policy)
     rows: list[dict] = []
-    for (task, home, disturbance), members in groups.items():
-        for member in members:
-            _same_residual(member, residual)
+    for (task, home, disturbance, on), members in groups.items():
         trained_on = "+".join(filter(None, (home, disturbance)))
-        runs = {on: [_run(p, on, residual, rollouts, seed) for p in members] for on in dict.fromkeys((home, *backends))}
-        for (on, of_policies), direction in ((run, d) for run in runs.items() for d in TASKS[task].directions):
-            about = {"task": task, "direction": TASKS[task].directions[direction], "trained_on": trained_on, "run_on": on}
-            at_home = [float(of[direction][0].reward.mean()) for of in runs[home]]
-            rows += [about | row for row in _rows(task, about["direction"], [of[direction] for of in of_policies], at_home, on == home)]
+        for sign, direction in TASKS[task].directions.items():
+            about = {"task": task, "direction": direction, "trained_on": trained_on, "run_on": on}
+            here, there = ([runs[member, place][sign] for member in members] for place in (on, home))
+            rows += [about | row for row in _rows(task, direction, here, None if on == home else there)]
     return {"rows": rows}
 
 
-def _run(policy: Policy, backend: str, residual: str | Path, rollouts: int, seed: int) -> dict[int, tuple[RollOut, RollOut]]:
-    """Direction -> roll-outs of an episode, and of ENDURANCE_S."""
+def _run(policy: Policy, backend: str, residual: str | Path, rollouts: int, seed: int) -> dict[int, Pair]:
+    """Roll-outs by direction."""
     task = TASKS[policy.about["task"]]
     sim = simulator(backend, rollouts, residual=residual if backend == RESIDUAL else "", dtype=np.float64)
     runs = {}
@@ -67,15 +71,14 @@ def _run(policy: Policy, backend: str, residual: str | Path, rollouts: int, seed
     return runs
 
 
-def _rows(task: str, direction: str, runs: list[tuple[RollOut, RollOut]], at_home: list[float], home: bool) -> Iterator[dict]:
-    short, long = [run[0] for run in runs], [run[1] for run in runs]
+def _rows(task: str, direction: str, here: list[Pair], at_home: list[Pair] | None) -> Iterator[dict]:
     figure = TASKS[task]
-    reference = references()[figure.quantity][direction]["mean"]
-    yield _row(figure.quantity, figure.unit, [run.figure for run in short], reference)
-    yield _row("reward", "1", [run.reward for run in short], None)
-    if not home:
-        yield _row("transfer", "1", [run.reward.mean(keepdims=True) / there for run, there in zip(short, at_home, strict=True)], None)
-    yield _row("upright", "s", [run.upright for run in long], ENDURANCE_S)
+    yield _row(figure.quantity, figure.unit, [run.figure for run, _ in here], references()[figure.quantity][direction]["mean"])
+    yield _row("reward", "1", [run.reward for run, _ in here], None)
+    if at_home:
+        ratios = [run.reward.mean(keepdims=True) / home.reward.mean() for (run, _), (home, _) in zip(here, at_home, strict=True)]
+        yield _row("transfer", "1", ratios, None)
+    yield _row("upright", "s", [run.upright for _, run in here], ENDURANCE_S)
 
 
 def _row(quantity: str, unit: str, by_policy: list[np.ndarray], reference: float | None) -> dict:

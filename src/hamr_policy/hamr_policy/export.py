@@ -16,6 +16,7 @@ from torch import nn
 from hamr_bags.run_info import parameters_hash
 from hamr_description.names import JOINTS
 
+from .observation import components
 from .policy_file import INPUT, KEY, OUTPUT, interface
 from .task import TARGET_LIMIT
 
@@ -39,10 +40,14 @@ class Origin:
 
 def export(policy: ActorCriticPolicy, origin: Origin, path: str | Path) -> Path:
     """Writes the deterministic policy (the mean action); equal networks give equal bytes."""
+    rows = components(origin.view)
     about = {
-        **interface(origin.task, origin.view), **asdict(origin), "parameters_hash": parameters_hash(),
+        **interface(origin.task, origin.view),
+        "normalisation": {part: [row[part] for row in rows] for part in ("centre", "scale")},  # part of the graph
+        **asdict(origin),
+        "parameters_hash": parameters_hash(),
         "versions": {name: version(name) for name in LIBRARIES},
-    }  # fmt: skip
+    }
     model = helper.make_model(graph(policy), opset_imports=[helper.make_opsetid("", OPSET)], ir_version=IR, producer_name="hamr")
     helper.set_model_props(model, {KEY: json.dumps(about)})
     onnx.checker.check_model(model)

@@ -23,7 +23,7 @@ def interface(task: str, view: str) -> dict:
         "format": FORMAT,
         "task": task,
         "directions": {f"{sign:+d}": name for sign, name in TASKS[task].directions.items()},
-        "observation": components(view),
+        "observation": [{"name": row["name"], "unit": row["unit"]} for row in components(view)],
         "action": {"name": "target hip angle", "joints": list(JOINTS), "unit": "rad", "limit": TARGET_LIMIT},
         "target_hz": TARGET_HZ,
         "servo_hz": SERVO_HZ,
