@@ -73,10 +73,12 @@ def direct(run: Run, *, engine=None) -> dict:
         simulated_s, wall_s, real_time_factor, counts.
 
     Raises:
-        ConfigError: the run has no end.
+        ConfigError: the run has no end, or a file with parameters of nodes.
     """
     if not run.seconds > 0:
         raise ConfigError("A run without ROS needs an end: give its seconds.")
+    if run.parameters:
+        raise ConfigError(f"A run without ROS has no nodes to give '{run.parameters}' to; leave the parameter file out.")
     with ExitStack() as stack:
         write = stack.enter_context(Recorder(run.bag)).write if run.bag else lambda topic, raw: None
         health = Health(lambda level, sentence: None)
@@ -109,9 +111,8 @@ def _simulation(run: Run, engine, health: Health, write: Publish) -> Simulation:
     if run.excitation:
         driver = Player(excitation(**run.excitation), health, publish)
     else:
-        gains = Gains(**{key: tuple(pair) for key, pair in run.gains.items()}) if run.gains else Gains.default()
         targets = Targets(lockstep=False, patience_s=0.0, age_s=0.0)
-        controller = LegController(targets, gains, health, publish)
+        controller = LegController(targets, Gains.default(), health, publish)
         pilot = Pilot(load(run.policy), silence_s=0.0, command=command_named(run.command))
         driver = Steered(pilot, controller, lambda: simulation, write) if run.policy else controller
     simulation = Simulation(engine, LocalEnd(driver), seed=run.seed)

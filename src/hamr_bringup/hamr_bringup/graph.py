@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
 
 import yaml
 
 from hamr_description.errors import ConfigError
 
+NODES = ("simulator", "leg_controller", "excitation", "policy", "recorder")
 BACKENDS = ("full", "residual", "simple", "simple_published")
 
 
@@ -31,7 +33,7 @@ class Run:
         real_time_factor: sim time over wall time; 0 for as fast as possible.
         samples_per_frame: servo samples in each /servo message.
         seed: of the initial state.
-        gains: "kp", "kd" of the leg law, each [swing, lift]; empty for the project's.
+        parameters: file with parameters of any of the nodes, as ROS 2 has them (config/hamr.yaml is one); what a run sets itself wins.
     """
 
     backend: str = "full"
@@ -47,7 +49,7 @@ class Run:
     real_time_factor: float = 1.0
     samples_per_frame: int = 16
     seed: int = 0
-    gains: dict[str, list[float]] = field(default_factory=dict)
+    parameters: str = ""
 
     def __post_init__(self) -> None:
         if self.backend not in BACKENDS:
@@ -89,6 +91,7 @@ class NodeSpec:
         name: of the node.
         parameters: those that differ from the node's defaults.
         ends_run: whether the run is over when this node ends.
+        file: with more parameters; empty for none.
     """
 
     package: str
@@ -96,10 +99,12 @@ class NodeSpec:
     name: str
     parameters: dict[str, object]
     ends_run: bool = False
+    file: str = ""
 
     def arguments(self) -> list[str]:
         """The parameters as command line arguments."""
-        return ["--ros-args", *(word for key, value in self.parameters.items() for word in ("-p", f"{key}:={json.dumps(value)}"))]
+        given = (word for key, value in self.parameters.items() for word in ("-p", f"{key}:={json.dumps(value)}"))
+        return ["--ros-args", *(["--params-file", self.file] if self.file else []), *given]
 
 
 def graph(run: Run) -> list[NodeSpec]:
@@ -116,13 +121,26 @@ def graph(run: Run) -> list[NodeSpec]:
         nodes.append(NodeSpec("hamr_bags", "excitation", "excitation", parameters))
     else:
         awaited = [*(["targets"] if run.policy else []), *recorded]
-        nodes.append(NodeSpec("hamr_controller", "leg_controller", "leg_controller", {**bus, **run.gains, "wait_for": ",".join(awaited)}))
+        nodes.append(NodeSpec("hamr_controller", "leg_controller", "leg_controller", {**bus, "wait_for": ",".join(awaited)}))
     if run.policy:
         parameters = {"policy": run.policy, "command": run.command, "wait_for": ",".join(recorded)}
         nodes.append(NodeSpec("hamr_policy", "policy", "policy", parameters))
     if run.bag:
         nodes.append(NodeSpec("hamr_bags", "recorder", "recorder", {"out": run.bag}))
-    return nodes
+    return _with_file(nodes, run.parameters) if run.parameters else nodes
+
+
+def _with_file(nodes: list[NodeSpec], file: str) -> list[NodeSpec]:
+    """The nodes, those that a parameter file speaks to with that file."""
+    try:
+        keys = yaml.safe_load(Path(file).read_text())
+    except (OSError, yaml.YAMLError) as error:
+        raise ConfigError(f"The parameter file '{file}' cannot be read ({error}); give a YAML file.") from None
+    if not isinstance(keys, dict) or not keys:
+        raise ConfigError(f"The parameter file '{file}' names no node; see config/hamr.yaml of hamr_bringup.")
+    if unknown := [key for key in keys if key.lstrip("/") not in (*NODES, "**")]:
+        raise ConfigError(f"The parameter file '{file}' names '{unknown[0]}', which is no node of this graph ({', '.join(NODES)}).")
+    return [replace(node, file=file) if {node.name, f"/{node.name}", "/**"} & set(keys) else node for node in nodes]
 
 
 def _simulator(run: Run, parameters: dict[str, object]) -> NodeSpec:

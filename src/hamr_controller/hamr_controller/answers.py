@@ -1,9 +1,9 @@
 """Answers to servo samples as compiled callbacks, for engines that run the substeps of a period in one compiled loop.
 
-Such an engine has `servo_period(answer, memory, samples, volts, k) -> int`. The voltages volts[k] are there. It holds them for one substep,
-measures into samples[k + 1], calls `answer(memory, k + 1, samples[k + 1], volts[k + 1])`, and so on to the end of the period; it returns 80,
-or the number of the sample that `answer` had none for, to be called again with when its voltages are there. So every substep of a run is
-made by the same machine code, whatever the timing. The callbacks have one signature: the loop is compiled once, and cached.
+Such an engine has `servo_period(answer, memory, samples, volts, k) -> int`. The voltages volts[k] are there. It holds them for one
+substep, measures into samples[k + 1], calls `answer(memory, k + 1, samples[k + 1], volts[k + 1])`, and so on to the end of the period;
+it returns 80, or the number of the sample that `answer` had none for, to be called again with when its voltages are there. So every
+substep of a run is made by the same machine code, whatever the timing. The callbacks have one signature: the loop is compiled once.
 """
 
 from __future__ import annotations
