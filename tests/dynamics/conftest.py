@@ -1,4 +1,4 @@
-"""Simulators shared by the tests of the physics: a kernel is loaded once, its robots are set anew by each test."""
+"""Shared by the tests of the physics."""
 
 from __future__ import annotations
 
