@@ -64,7 +64,7 @@ def train(
     parts = [part for recording in recordings for part in stretches(recording)]
     about = {
         "method": method, "architecture": architecture, "seed": seed, "data": digest(recordings),
-        "seconds": round(sum(len(part) for part in parts) / SERVO_HZ, 6), "versions": versions(),
+        "seconds": round(sum(len(part) for part in parts) / SERVO_HZ, 6), "versions": versions(law),
     }  # fmt: skip
     checkpoint = Checkpoint(Path(out), about, resume)
     if law.kind == Series.kind:
@@ -133,11 +133,11 @@ class Checkpoint:
         self._path.unlink(missing_ok=True)
 
 
-def versions() -> dict[str, str]:
-    """Of what the numbers of a model depend on."""
+def versions(law: Law) -> dict[str, str]:
+    """Of what the weights depend on."""
 
     def found() -> Iterator[tuple[str, str]]:
-        for package in ("hamr", "numpy", "scipy", "numba", "torch"):
+        for package in ("hamr", "numpy", "scipy", "numba", *(["torch"] if law.kind == Mlp.kind else [])):
             try:
                 yield package, version(package)
             except PackageNotFoundError:
