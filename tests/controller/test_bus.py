@@ -235,6 +235,18 @@ def test_each_end_has_one_owner():
     SimulatorEnd("main").close()  # a closed end gives its place free
 
 
+def test_a_driver_that_has_not_joined_yet_follows_from_one_simulator_to_the_next():
+    driver, first = DriverEnd("main"), SimulatorEnd("main")
+    assert driver.connect() and driver.newest_period == -1
+    first.offer(7, SAMPLE)
+    assert driver.newest_period == 7
+    first.close()
+    second = SimulatorEnd("main")
+    assert not driver.connect() and not driver.connected  # it must notice, not change over in silence
+    assert driver.connect() and driver.newest_period == -1
+    second.close()
+
+
 @pytest.mark.parametrize("content", [b"", b"x" * 512, bytes(512), bytes(4096)])
 def test_a_foreign_file_is_refused_with_a_sentence(content):
     path = bus_path("main")

@@ -83,9 +83,11 @@ def test_a_parameter_file_must_speak_to_the_node(ros, tmp_path, key, said):
 
 def test_processes_end_with_status_one_and_nothing_but_the_sentence(graph, tmp_path):
     running = graph.start("simulator", run="taken")
+    recorder = [sys.executable, "-m", "hamr_bags.recorder_node"]
     mistakes = {
         "leg_controller: leg_controller has no parameter 'kpp'; it takes": graph.start("leg_controller", kpp=1.0),
-        "recorder: There is no argument '--fast'; parameters": graph.run("x", sys.executable, "-m", "hamr_bags.recorder_node", "--fast"),
+        "recorder: There is no argument '--fast'; write": graph.run("x", *recorder, "--fast"),
+        "recorder: ROS cannot read the arguments: ": graph.run("y", *recorder, "--ros-args", "-p", "out=bag"),
         f"recorder: {tmp_path} exists already; choose another name": graph.start("recorder", out=str(tmp_path)),
     }
     for sentence, process in mistakes.items():

@@ -141,24 +141,24 @@ class DriverEnd:
         self._seen = 0  # newest sample known
         self._k = 0  # sample of the present period to answer next
 
+    @property
+    def connected(self) -> bool:
+        """Whether a bus is mapped whose simulator lived when last looked at."""
+        return self._file is not None
+
     def connect(self) -> bool:
-        """Map the bus if there is one with a living simulator; whether it is mapped.
+        """Map the bus, unless it is; whether its simulator lives. Disconnects if it does not.
 
         Raises:
             ConfigError: the file is not a servo bus of this version.
         """
-        if self._file is not None and not self.joined and not self._file.held(Role.SIMULATOR):
+        try:
+            self._file = self._file or BusFile(self._path)
+        except FileNotFoundError:
+            return False
+        if not self._file.held(Role.SIMULATOR):
             self.leave()
-        if self._file is None:
-            try:
-                file = BusFile(self._path)
-            except FileNotFoundError:
-                return False
-            if not file.held(Role.SIMULATOR):
-                file.close()
-                return False
-            self._file = file
-        return True
+        return self.connected
 
     def join(self) -> None:
         """Become the driver of the bus connected to.
@@ -182,8 +182,7 @@ class DriverEnd:
         """Wait a little for a period whose first sample has no answer yet; None if there is none, or the simulator went."""
         words = self._file.words
         if not bus.await_sample(words, self._seen + 1, 1, SLICE_NS):
-            if not self._file.held(Role.SIMULATOR):
-                self.leave()
+            self.connect()
             return None
         self._seen, self._k = _word(words, bus.SAMPLE_WORD), 0
         period, k = divmod(self._seen - 1, SUBSTEPS)
@@ -200,10 +199,7 @@ class DriverEnd:
         if k == SUBSTEPS:
             self._seen = first + SUBSTEPS - 1
             return Progress.DONE
-        if not self._file.held(Role.SIMULATOR):
-            self.leave()
-            return Progress.LOST
-        return Progress.PENDING
+        return Progress.PENDING if self.connect() else Progress.LOST
 
     def leave(self) -> None:
         """Disconnect; the simulator notices."""

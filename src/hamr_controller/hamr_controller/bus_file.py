@@ -137,7 +137,9 @@ def create(path: Path) -> BusFile:
     with _directory_lock(path.parent):
         _sweep(path.parent)
         if path.exists():
-            pid = BusFile(path).words[SIMULATOR_PID_WORD]
+            file = BusFile(path)
+            pid = file.words[SIMULATOR_PID_WORD]
+            file.close()
             raise BusTaken(f"A simulator (process {pid}) already runs on {path}: stop it, or set another 'run' or ROS_DOMAIN_ID.")
         file = BusFile(path.with_name(f"new-{path.name}"), create=True)
         file.words[[MAGIC_WORD, LAYOUT_WORD, GENERATION_WORD, SIMULATOR_PID_WORD]] = MAGIC, LAYOUT_VERSION, time.time_ns(), os.getpid()

@@ -48,7 +48,6 @@ class DrivingLoop:
         self._end, self._driver, self._spinner, self._diagnostics, self._publishers = end, driver, spinner, diagnostics, publishers
         self._ready, self._lossless = ready, lossless
         self._volts = np.zeros((SUBSTEPS, len(JOINTS)))
-        self._connected = False
 
     def run(self) -> None:
         """Until the process is to stop."""
@@ -64,12 +63,11 @@ class DrivingLoop:
     def _join(self) -> bool:
         tell = self._diagnostics.health.state
         try:
-            connected, before = self._end.connect(), self._connected
-            self._connected = connected
-            if not connected:
+            new = not self._end.connected
+            if not self._end.connect():
                 tell("bus", Level.WARN, "No simulator: waiting for its servo bus.")
                 return False
-            if not before:
+            if new:
                 self._driver.restart()
             if not self._ready():
                 return False
@@ -85,7 +83,6 @@ class DrivingLoop:
         period = self._end.next_period()
         if period is None:
             self._spinner.once()
-            self._connected = self._end.joined
             return
         while (plan := self._driver.plan(period)) is None:
             self._spinner.once(_IDLE_S)

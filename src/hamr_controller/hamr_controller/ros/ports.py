@@ -59,7 +59,7 @@ class Publishers:
         """Wait until every listener has everything; whether that came true in time."""
         deadline = monotonic() + seconds
         for publisher in self._publishers.values():
-            # A long wait can miss the acknowledgement and then lasts to the next heartbeat, 3 s later; many short ones do not.
+            # A long wait can miss the acknowledgement and then lasts to the next heartbeat; many short ones do not.
             while not publisher.wait_for_all_acked(_ACKED_STEP):
                 if monotonic() > deadline:
                     return False

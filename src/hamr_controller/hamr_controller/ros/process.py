@@ -11,8 +11,7 @@ from types import MappingProxyType
 from typing import Protocol, TypeVar
 
 import rclpy
-from rclpy.exceptions import ROSInterruptException
-from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -24,14 +23,15 @@ from hamr_description.errors import ConfigError, HamrError
 from . import middleware, parameters
 
 P = TypeVar("P")
+SLICE_S = 0.05  # longest stay in the executor; a signal is noticed after it
+_USAGE = "write --ros-args -p name:=value, or --ros-args --params-file FILE"
+_PR_SET_TIMERSLACK = 29
 
 
 class Runnable(Protocol):
+    """What a node does, until `spinner.stopping`."""
+
     def run(self) -> None: ...
-
-
-SLICE_S = 0.05  # longest stay in the executor; a signal is noticed after it
-_PR_SET_TIMERSLACK = 29
 
 
 class Spinner:
@@ -94,10 +94,10 @@ def run_node(name: str, kind: type[P], make: Callable[[Node, P, Spinner], Runnab
     Args:
         name: node name unless remapped.
         kind: dataclass of the parameters.
-        make: what the node does; its run() works until `spinner.stopping`.
+        make: gives the node what it does.
     """
     try:
-        _refuse_foreign(sys.argv)
+        _check(sys.argv)
         with spinning() as spinner:
             node, values = new_node(name, kind)
             spinner.add(node)
@@ -105,10 +105,14 @@ def run_node(name: str, kind: type[P], make: Callable[[Node, P, Spinner], Runnab
     except HamrError as error:
         sys.stderr.write(f"{name}: {error}\n")
         sys.exit(1)
-    except (ExternalShutdownException, ROSInterruptException):
-        sys.exit(1)
 
 
-def _refuse_foreign(arguments: Sequence[str]) -> None:
-    if foreign := remove_ros_args(list(arguments))[1:]:
-        raise ConfigError(f"There is no argument '{foreign[0]}'; parameters are given as --ros-args -p name:=value.")
+def _check(arguments: Sequence[str]) -> None:
+    """ConfigError if ROS cannot read the arguments, or some are not for ROS."""
+    try:
+        foreign = remove_ros_args(list(arguments))[1:]
+    except RuntimeError as error:  # rclpy's own are not public
+        what = str(error).removeprefix("Failed to parse ROS arguments: ").split(", at /")[0]
+        raise ConfigError(f"ROS cannot read the arguments: {what}; {_USAGE}.") from None
+    if foreign:
+        raise ConfigError(f"There is no argument '{foreign[0]}'; {_USAGE}.")

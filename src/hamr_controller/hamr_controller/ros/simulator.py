@@ -24,7 +24,7 @@ from .simulator_parameters import SimulatorParameters
 
 _RESEND_S = 0.05  # wall time after which a state that was not answered is sent again
 _SERVE_S = 0.02  # services are looked after this often, not in every period
-_SETTLE_S = 2.0
+_SETTLE_S, _HASTY_SETTLE_S = 2.0, 0.5  # for listeners to get the last messages
 
 
 class SimulatorNode:
@@ -77,7 +77,7 @@ class SimulatorNode:
             self._end.close()
         if self._parameters.report:
             Path(self._parameters.report).write_text(json.dumps(self.summary()))
-        self._publishers.settle(_SETTLE_S)
+        self._publishers.settle(_HASTY_SETTLE_S if self._spinner.stopping else _SETTLE_S)
 
     def summary(self) -> dict:
         """How the run went: simulated_s, wall_s, real_time_factor, counts."""
