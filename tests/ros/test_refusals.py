@@ -31,7 +31,7 @@ MISTAKES = [
     (SimulatorParameters, {"environment": "water"}, "environment is 'water'; choose one of ground, suspended"),
     (SimulatorParameters, {"real_time_factor": -1.0}, "must not be negative"),
     (SimulatorParameters, {"excitation": "[]"}, "it must be a JSON object"),
-    (recorder_node.Parameters, {}, "The recorder has no parameter out"),
+    (recorder_node.Parameters, {}, "The recorder has no parameter bag"),
     (POLICY, {"command": "fly"}, "There is no command 'fly'; choose one of forward, backward, left, right"),
     (POLICY, {"silence": 0.0}, "it must be a positive number"),
 ]
@@ -87,8 +87,8 @@ def test_processes_end_with_status_one_and_nothing_but_the_sentence(graph, tmp_p
     mistakes = {
         "leg_controller: leg_controller has no parameter 'kpp'; it takes": graph.start("leg_controller", kpp=1.0),
         "recorder: There is no argument '--fast'; write": graph.run("x", *recorder, "--fast"),
-        "recorder: ROS cannot read the arguments: ": graph.run("y", *recorder, "--ros-args", "-p", "out=bag"),
-        f"recorder: {tmp_path} exists already; choose another name": graph.start("recorder", out=str(tmp_path)),
+        "recorder: ROS cannot read the arguments: ": graph.run("y", *recorder, "--ros-args", "-p", "bag=out"),
+        f"recorder: {tmp_path} exists already; choose another name": graph.start("recorder", bag=str(tmp_path)),
     }
     for sentence, process in mistakes.items():
         assert process.ended() == 1, process.said

@@ -69,7 +69,7 @@ def test_no_number_of_signals_upsets_a_node(graph, observe, tmp_path):
         graph.start("simulator"),
         graph.start("leg_controller"),
         graph.start("policy"),
-        graph.start("recorder", out=str(tmp_path / "bag")),
+        graph.start("recorder", bag=str(tmp_path / "bag")),
     ]
     names = {"simulator", "leg_controller", "policy", "recorder"}
     observer.until(lambda: names <= set(observer.node.get_node_names()), "all four nodes")

@@ -31,11 +31,11 @@ _QUIET_S, _DRAIN_S = 0.2, 1.0  # wall time: what is still under way when the run
 class Parameters:
     """Parameters of the recorder."""
 
-    out: str = parameter("", "folder of the bag, which must not exist yet")
+    bag: str = parameter("", "folder of the bag, which must not exist yet")
 
     def __post_init__(self) -> None:
-        if not self.out:
-            raise ConfigError("The recorder has no parameter out; name the folder of the bag.")
+        if not self.bag:
+            raise ConfigError("The recorder has no parameter bag; name the folder of the bag.")
 
 
 class Tape:
@@ -79,12 +79,12 @@ class RecorderNode:
 
     def __init__(self, node: Node, parameters: Parameters, spinner: Spinner):
         self._spinner = spinner
-        self._recorder = Recorder(parameters.out)
+        self._recorder = Recorder(parameters.bag)
         self._diagnostics = Diagnostics(node)
         self._tape = Tape(self._recorder, self._diagnostics.health)
         for topic in TYPES:
             node.create_subscription(qos.message_class(topic), topic, partial(self._tape.hear, topic), qos.recorded(topic), raw=True)
-        node.get_logger().info(f"Recording to {parameters.out}.")
+        node.get_logger().info(f"Recording to {parameters.bag}.")
 
     def run(self) -> None:
         """Record until the process is to stop; the bag is whole in any case."""

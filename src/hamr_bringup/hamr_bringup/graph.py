@@ -126,7 +126,7 @@ def graph(run: Run) -> list[NodeSpec]:
         parameters = {"policy": run.policy, "command": run.command, "wait_for": ",".join(recorded)}
         nodes.append(NodeSpec("hamr_policy", "policy", "policy", parameters))
     if run.bag:
-        nodes.append(NodeSpec("hamr_bags", "recorder", "recorder", {"out": run.bag}))
+        nodes.append(NodeSpec("hamr_bags", "recorder", "recorder", {"bag": run.bag}))
     return _with_file(nodes, run.parameters) if run.parameters else nodes
 
 

@@ -90,6 +90,7 @@ def up(run: Run) -> dict:
         report = Path(folder, "report.json")
         specs = [_reporting(spec, report) if spec.ends_run else spec for spec in graph(run)]
         environment = _environment()
+        sys.stderr.write(f"ROS_DOMAIN_ID={environment['ROS_DOMAIN_ID']}: {', '.join(spec.name for spec in specs)}\n")
         children = [Child(spec, environment) for spec in specs]
         try:
             _watch(children, interrupted)
