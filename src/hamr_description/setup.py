@@ -16,7 +16,7 @@ setup(
     maintainer=manifest.findtext("maintainer"),
     maintainer_email=manifest.find("maintainer").get("email"),
     packages=find_packages(include=[f"{name}*"]),
-    package_data={"": [f"**/*.{suffix}" for suffix in ("yaml", "json", "onnx", "npz")]},
+    package_data={"": [f"**/*.{suffix}" for suffix in ("yaml", "json", "onnx", "npz", "md")]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
         (f"share/{name}", ["package.xml"]),

@@ -80,15 +80,15 @@ def test_gaps_and_stops_cut_windows():
 def test_windows_hold_consecutive_samples():
     parts = dataset.stretches(recording(noise_run(3, 0.6, 30.0)))
     data = dataset.windows(parts, 40, LegStep(torque_driven()))
-    block = len(data) // 2
-    state, goal = data.state0[block].reshape(6, LANES), data.goal[block].reshape(40, 2, LANES)
     found = set()
-    for lane in range(LANES):
-        ((leg, k),) = np.argwhere((parts[0].q == state[:2, lane]).all(axis=-1))
-        np.testing.assert_array_equal(state[2:4, lane], parts[0].v[leg, k])
-        np.testing.assert_array_equal(goal[:, :, lane], parts[0].angles[leg, k + 1 : k + 41])
-        found.add((int(leg), int(k)))
-    assert len(found) == LANES
+    for block in range(len(data)):
+        state, goal = data.state0[block].reshape(6, LANES), data.goal[block].reshape(40, 2, LANES)
+        for lane in range(LANES):
+            ((leg, k),) = np.argwhere((parts[0].q == state[:2, lane]).all(axis=-1))
+            np.testing.assert_array_equal(state[2:4, lane], parts[0].v[leg, k])
+            np.testing.assert_array_equal(goal[:, :, lane], parts[0].angles[leg, k + 1 : k + 41])
+            found.add((int(leg), int(k)))
+    assert len(found) == len(data) * LANES
     assert {leg for leg, _ in found} == {0, 1, 2, 3}
     assert all((k - 1) % 40 == 0 for _, k in found)
 
