@@ -130,7 +130,7 @@ sys.exit(cli.run([cli.COMMANDS[0]]))
 def test_up_offers_what_a_run_has_with_the_same_defaults():
     offered = asdict(Up())
     assert Run(**offered) == Run()
-    assert {field.name for field in fields(Run)} - set(offered) == {"excitation", "gains"}
+    assert {field.name for field in fields(Run)} - set(offered) == {"excitation"}
 
 
 def test_result_for_people_is_a_table_and_lines():

@@ -37,6 +37,8 @@ class Command:
     """Samples kept of each 4 ms in the bag: 16 is 4 kHz, 80 is 20 kHz."""
     seed: int = 0
     """Of the initial state."""
+    parameters: str = ""
+    """File with parameters of any of the nodes, as ROS 2 has them; what the options set wins."""
 
     def run(self) -> dict:
         from ..graph import Run
