@@ -60,7 +60,7 @@ def test_affine_in_the_drive_voltages(seed, share):
 
 
 def test_right_legs_mirror_left_ones():
-    sim = BatchSim(torque_driven(network(4)), 1, environment="suspended", gravity=0.0)
+    sim = BatchSim(torque_driven(network(4)), 1, environment="suspended", gravity=0.0, block=16)
     random = np.random.default_rng(5)
     angle = {axis: random.uniform(-0.3, 0.3) for axis in ("swing", "lift")}
     volt = {axis: random.uniform(-80, 80, 200) for axis in ("swing", "lift")}

@@ -110,16 +110,16 @@ def test_tanh_networks_learn_and_resume_to_the_bit(method, held_out, tmp_path, m
 
 def _idle():
     """A network without torque: what learning starts from."""
-    law = fit_mlp.Mlp("leg", (4,))
+    law = fit_mlp.Mlp("leg", (20, 20))
     return fit_mlp.Network(law, np.zeros(len(law.rows)))
 
 
-@pytest.mark.parametrize("scope", ["leg", "robot"])
-def test_trained_torch_network_equals_the_kernel(scope):
+@pytest.mark.parametrize(("scope", "hidden"), [("leg", (20, 20)), ("robot", (12,))])
+def test_trained_torch_network_equals_the_kernel(scope, hidden):
     """Scaling folded into the weights, rows in the kernel's order."""
     run = noise_run(0, 1.0)
     parts = stretches(recording(run))
-    trainer = fit_mlp.Trainer(parts, fit_mlp.Mlp(scope, (6,)), "step", seed=0)
+    trainer = fit_mlp.Trainer(parts, fit_mlp.Mlp(scope, hidden), "step", seed=0)
     weights = trainer.net.initial(np.random.default_rng(3))
     at = np.array([100, 2000, 4000])
     rows = [trainer.rows(x[:, at]) for x in (trainer.data.q, trainer.data.v, trainer.data.drive)]

@@ -146,5 +146,5 @@ def figure(rows: list[dict], path: str | Path) -> Path:
     canvas.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(plants))
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    canvas.savefig(path, dpi=150)
+    canvas.savefig(path, dpi=110)
     return path

@@ -75,5 +75,5 @@ def curve_figure(rows: Sequence[dict], path: str | Path, *, quantity: str = "pos
     canvas.axes[0].legend()
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    canvas.savefig(path, dpi=150)
+    canvas.savefig(path, dpi=110)
     return path
