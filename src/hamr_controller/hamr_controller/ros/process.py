@@ -27,6 +27,7 @@ P = TypeVar("P")
 SLICE_S = 0.05  # longest stay in the executor; a signal is noticed after it
 _USAGE = "write --ros-args -p name:=value, or --ros-args --params-file FILE"
 _PR_SET_TIMERSLACK = 29
+_SIG_IGN = ctypes.c_void_p(1)  # signal.h
 
 
 class Runnable(Protocol):
@@ -73,8 +74,10 @@ def spinning() -> Iterator[Spinner]:
     try:
         yield spinner
     finally:
+        # A signal while the executor goes down would abort the process. The kernel is told, not Python: signal.signal(..., SIG_IGN)
+        # prints an exception when a signal that came just before is still to be handled.
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)  # a signal while the executor goes down would abort the process
+            ctypes.CDLL(None).signal(number, _SIG_IGN)
         nodes = executor.get_nodes()
         executor.shutdown()
         for node in nodes:
