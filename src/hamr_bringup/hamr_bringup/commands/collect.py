@@ -1,9 +1,10 @@
-"""Collect a passive white-noise bag: the suspended robot, driven by band-limited Gaussian voltages on all eight actuators.
+"""Collect a bag of the suspended robot, driven open loop: by passive white noise on all eight actuators, or another signal.
 
 Examples:
   hamr collect --backend full --out out/noise
   hamr collect --backend full --out out/noise --seconds 3 --seed 1 --band-hz 100 --std-volt 40 --direct
   hamr collect --backend full --out out/measured --as-measured
+  hamr collect --backend full --out out/trot --kind trot --frequency-hz 30 --amplitude-volt 50
 """
 
 from __future__ import annotations
@@ -22,14 +23,20 @@ class Command:
     """full, residual, simple or simple_published."""
     residual: str = ""
     """Residual model file, for the residual backend; the shipped one if not given."""
+    kind: str = "noise"
+    """noise, trot, pronk, triangle, steps, or mix: all of them one after the other."""
     seconds: float | None = None
-    """Simulated time; numbers.yaml has the default of this and the next two (group excitation)."""
+    """Simulated time; what is not given of this and the next four has the default of the kind (hamr_bags/signals.py)."""
     band_hz: float | None = None
-    """Highest frequency."""
+    """noise: highest frequency."""
     std_volt: float | None = None
-    """Standard deviation about neutral, before the clip."""
+    """noise: standard deviation about neutral, before the clip."""
+    frequency_hz: float | None = None
+    """trot, pronk, triangle: cycles per second."""
+    amplitude_volt: float | None = None
+    """All but noise: about neutral, before the clip."""
     seed: int = 0
-    """Of the noise."""
+    """Of everything random."""
     samples_per_frame: int = 16
     """Samples kept of each 4 ms: 16 is 4 kHz, 80 is 20 kHz."""
     direct: bool = False
@@ -40,21 +47,29 @@ class Command:
     def run(self) -> dict:
         from hamr_bags.as_measured import as_measured
         from hamr_bags.excitation import excitation
+        from hamr_bags.signals import KINDS
 
         from ..graph import Run
         from ..shipped import RESIDUAL
 
-        given = {"seconds": self.seconds, "band_hz": self.band_hz, "std": self.std_volt}
-        noise = excitation("noise", seed=self.seed, **{key: number for key, number in given.items() if number is not None})
+        given = {
+            "seconds": self.seconds,
+            "band_hz": self.band_hz,
+            "std": self.std_volt,
+            "frequency_hz": self.frequency_hz,
+            "amplitude": self.amplitude_volt,
+            "seed": self.seed if hasattr(KINDS.get(self.kind), "seed") else None,
+        }
+        signal = excitation(self.kind, **{key: number for key, number in given.items() if number is not None})
         with ExitStack() as stack:
             bag = Path(stack.enter_context(TemporaryDirectory()), "exact") if self.as_measured else self.out
             run = Run(
                 backend=self.backend,
                 environment="suspended",
                 residual=self.residual or (str(RESIDUAL) if self.backend == "residual" else ""),
-                excitation=noise.parameters,
+                excitation=signal.parameters,
                 bag=str(bag),
-                seconds=noise.parameters["seconds"],
+                seconds=signal.parameters["seconds"],
                 real_time_factor=0.0,
                 samples_per_frame=self.samples_per_frame,
                 seed=self.seed,
