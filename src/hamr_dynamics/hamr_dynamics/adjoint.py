@@ -12,7 +12,7 @@ from .trace import Var
 def pullback(stage: Stage, wrt: Sequence[str]) -> Stage:
     """The stage `(inputs, grad_OUT for each output array) -> grad_IN for each array of wrt`.
 
-    Gates (`positive`) have derivative zero; `max` and `min` pass the gradient to the operand that was chosen.
+    Gates (`positive`) and steps (`floor`) have derivative zero; `max` and `min` pass the gradient to the operand that was chosen.
     """
     graph = stage.graph
     seeds = {f"grad_{array}": rows for array, rows in stage.outputs.items()}
@@ -31,7 +31,7 @@ def pullback(stage: Stage, wrt: Sequence[str]) -> Stage:
 
     for i in reversed(forward):
         op, args = graph.nodes[i]
-        if op in ("input", "positive") or i not in gradient:
+        if op in ("input", "positive", "floor") or i not in gradient:
             continue
         g = gradient[i]
         a, b = ([Var(graph, x) if isinstance(x, int) else x for x in args] + [None])[:2]

@@ -17,6 +17,7 @@ from hamr_dynamics.alignment import align_stack, aligned
 U = np.uint64
 real = np.{dtype}
 sqrt = math.sqrt
+floor = np.floor
 ONE = np.{dtype}(1.0)
 ZERO = np.{dtype}(0.0)
 options = {{"nogil": True, "error_model": "numpy", "fastmath": {{"contract", "nsz", "arcp"}}}}

@@ -21,6 +21,7 @@ _FORMAT = {
     "sqrt": "sqrt({})",
     "max": "({0} if {0} > {1} else {1})",
     "min": "({0} if {0} < {1} else {1})",
+    "floor": "floor({})",
     "positive": "(ONE if {0} > ZERO else ZERO)",
 }
 

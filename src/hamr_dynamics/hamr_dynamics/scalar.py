@@ -34,6 +34,11 @@ def positive(x):
     return x.graph.record("positive", x) if isinstance(x, Var) else np.where(np.asarray(x) > 0, 1.0, 0.0)
 
 
+def floor(x):
+    """Largest whole number not above x."""
+    return x.graph.record("floor", x) if isinstance(x, Var) else np.floor(x)
+
+
 def clip(x, low, high):
     """x limited to low..high."""
     return minimum(maximum(x, low), high)

@@ -21,6 +21,7 @@ _FOLD = {
     "neg": lambda a: -a,
     "sqrt": math.sqrt,
     "positive": lambda a: 1.0 if a > 0 else 0.0,
+    "floor": math.floor,
 }
 
 

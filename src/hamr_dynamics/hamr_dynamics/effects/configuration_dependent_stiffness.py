@@ -1,0 +1,36 @@
+"""Stiffness that depends on where the leg is: the gradient of a potential of both angles."""
+
+from __future__ import annotations
+
+from .law import Effect, Form, Pair, PairPush, Parameter
+
+
+def potential(x: Pair, p, z):
+    """Force -grad V, V = sum of cubic and quartic monomials s^i l^j of the two angles."""
+    s, r = x.q
+    c30, c21, c12, c03 = (p[f"c{i}"] for i in ("30", "21", "12", "03"))
+    c40, c31, c22, c13, c04 = (p[f"c{i}"] for i in ("40", "31", "22", "13", "04"))
+    along = s * (3.0 * c30 * s + 2.0 * c21 * r) + c12 * r * r
+    along = along + s * (s * (4.0 * c40 * s + 3.0 * c31 * r) + 2.0 * c22 * r * r) + c13 * r * r * r
+    across = r * (3.0 * c03 * r + 2.0 * c12 * s) + c21 * s * s
+    across = across + r * (r * (4.0 * c04 * r + 3.0 * c13 * s) + 2.0 * c22 * s * s) + c31 * s * s * s
+    k11 = 6.0 * c30 * s + 2.0 * c21 * r + 12.0 * c40 * s * s + 6.0 * c31 * s * r + 2.0 * c22 * r * r
+    k12 = 2.0 * c21 * s + 2.0 * c12 * r + 3.0 * c31 * s * s + 4.0 * c22 * s * r + 3.0 * c13 * r * r
+    k22 = 6.0 * c03 * r + 2.0 * c12 * s + 12.0 * c04 * r * r + 6.0 * c13 * s * r + 2.0 * c22 * s * s
+    return PairPush((-along, -across), stiffness=(k11, k12, k22)), z
+
+
+def _term(i: int, j: int) -> Parameter:
+    return Parameter(f"c{i}{j}", f"F/Q^{i + j - 1}", 0.01, -5.0, 5.0, f"potential per swing^{i} lift^{j}")
+
+
+EFFECT = Effect(
+    name="configuration_dependent_stiffness",
+    part="transmission",
+    summary="Springs whose stiffness changes with both angles of the leg, as a potential has it.",
+    forms=(Form("potential", "pair", potential,
+                tuple(_term(i, n - i) for n in (3, 4) for i in range(n, -1, -1))),),
+    experiment="large motions of both joints at once",
+    source="hamr_facts 7, effect 8; Gruenstein et al., Residual Model Learning for Microrobot Control",
+    contains=("cubic_stiffness",),
+)  # fmt: skip

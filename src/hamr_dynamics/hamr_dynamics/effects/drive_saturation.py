@@ -1,0 +1,30 @@
+"""The drive stops growing with its command."""
+
+from __future__ import annotations
+
+from ..scalar import clip, sqrt
+from .law import Effect, Form, Input, Parameter
+
+
+def soft(x: Input, p, z):
+    """u / sqrt(1 + c u^2)."""
+    return x.u / sqrt(1.0 + p["curvature"] * x.u * x.u), z
+
+
+def hard(x: Input, p, z):
+    """u within +-1/sharpness."""
+    limit = 1.0 / p["sharpness"]
+    return clip(x.u, -limit, limit), z
+
+
+EFFECT = Effect(
+    name="drive_saturation",
+    part="actuator",
+    summary="The drive levels off at large commands.",
+    forms=(
+        Form("soft", "drive", soft, (Parameter("curvature", "1/U^2", 0.05, 0.0, 5.0, "one over the squared limit"),), order=4),
+        Form("hard", "drive", hard, (Parameter("sharpness", "1/U", 0.6, 0.0, 5.0, "one over the limit"),), order=4),
+    ),
+    experiment="three amplitudes up to the rails",
+    source="gap_method 3.2; amplifiers near their rails",
+)

@@ -1,0 +1,37 @@
+"""Internal loss of a material that is the same at every frequency."""
+
+from __future__ import annotations
+
+from math import log, pi
+
+from .law import Effect, Form, Joint, Parameter, Push
+
+RATIO = 4.0  # between the relaxation times of neighbouring elements
+ELEMENTS = 6
+#: Stiffness of an element per loss modulus: a dense ladder of equal elements has loss modulus (pi/2) stiffness / ln(ratio).
+SHARE = log(RATIO) / (0.5 * pi)
+
+
+def ladder(x: Joint, p, z):
+    """Six Maxwell elements with times a factor of four apart: loss modulus flat within 4 % over two decades and a half."""
+    force, stiffness, new = 0.0, 0.0, []
+    for i, inner in enumerate(z):
+        time = p["time"] * RATIO ** (i - 0.5 * (ELEMENTS - 1))
+        moved = (inner * time + x.q * x.step) / (time + x.step)
+        new.append(moved)
+        force = force - SHARE * p["loss"] * (x.q - moved)
+        stiffness = stiffness + SHARE * p["loss"] * time / (time + x.step)
+    return Push(force, stiffness=stiffness), tuple(new)
+
+
+EFFECT = Effect(
+    name="structural_damping",
+    part="transmission",
+    summary="A loss that takes the same share of the elastic energy at every frequency, not more at higher ones.",
+    forms=(Form("ladder", "force", ladder, (
+        Parameter("loss", "F/Q", 0.05, 0.0, 5.0, "loss modulus: loss factor times stiffness"),
+        Parameter("time", "T", 1.0, 0.03, 30.0, "middle of the band", shape=True, screen=(1.0,)),
+    ), states=ELEMENTS),),
+    experiment="damping measured at several frequencies, by band-wide noise or a slow chirp",
+    source="hamr_facts 7, effect 2 (excess damping, b = eta k / omega); ladder: generalised Maxwell model",
+)  # fmt: skip
