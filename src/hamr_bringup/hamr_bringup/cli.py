@@ -22,7 +22,8 @@ from hamr_description.errors import HamrError
 from .environment import prepare
 from .present import as_json_text, as_text
 
-COMMANDS = ("demo", "up", "run", "collect", "train", "eval", "check", "bench", "bag", "render", "doctor")  # in the order of the help
+#: In the order of the help.
+COMMANDS = ("demo", "up", "run", "collect", "train", "eval", "reproduce", "check", "bench", "bag", "render", "doctor")
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 AS_JSON = "--json"
@@ -63,7 +64,7 @@ def run(argv: list[str]) -> int:
 
 def overview() -> str:
     """Help of `hamr` itself: one line a command."""
-    lines = [f"  {name:8} {_module(name).__doc__.splitlines()[0]}" for name in COMMANDS]
+    lines = [f"  {name:9} {_module(name).__doc__.splitlines()[0]}" for name in COMMANDS]
     return "\n".join(["usage: hamr COMMAND [--json] ...", "", *lines, "", "hamr COMMAND --help shows options and examples.", ""])
 
 
