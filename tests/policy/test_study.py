@@ -18,7 +18,7 @@ def test_the_study_trains_once_and_tabulates_what_evaluation_finds(tmp_path, mon
     assert capsys.readouterr().out == first
     rows = evaluate([tmp_path / f"turn_simple_{seed}" / "policy.onnx" for seed in range(2)])["rows"]
     left = next(row for row in rows if (row["direction"], row["run_on"], row["quantity"]) == ("left", "full", "turning_rate"))
-    each = ", ".join(f"{x:.3g}" for x in left["by_seed"])
+    each = ", ".join(f"{float(f'{x:.3g}'):g}" for x in left["by_seed"])
     assert f"{each} | 537 | NO |" in next(line for line in first.splitlines() if line.startswith("| left, deg/s"))
     assert "| simple | 2 |" in first and "4.62 +- 1.6" in first
 

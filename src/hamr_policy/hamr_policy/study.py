@@ -63,7 +63,7 @@ def speeds(found: dict[str, Rows]) -> str:
         upright = min(min(rows[d, TARGET, "upright"]["by_seed"]) for d in DIRECTIONS)
         lines.append(_line(name, len(figures[0]["by_seed"]), *map(_spread, figures), f"{upright:.3g} s"))
     paper = (references()[_quantity(d)][d] for d in DIRECTIONS)
-    return "\n".join([*lines, _line("paper, residual", 5, *(f"{p['mean']:.3g} +- {p['std']:.2g}" for p in paper), ""), ""])
+    return "\n".join([*lines, _line("paper, residual", 5, *(f"{_digits(p['mean'])} +- {_digits(p['std'], 2)}" for p in paper), ""), ""])
 
 
 def transfers(found: dict[str, Rows]) -> str:
@@ -85,9 +85,9 @@ def by_seed(rows: Rows, home: str) -> str:
     lines = _head("", f"on {home}", "on HAMR-full", "each seed on HAMR-full", "paper", "reached by all")
     for d in DIRECTIONS:
         here, there = (rows[d, on, _quantity(d)] for on in (home, TARGET))
-        each = ", ".join(f"{x:.3g}" for x in there["by_seed"])
+        each = ", ".join(map(_digits, there["by_seed"]))
         reached = "yes" if min(there["by_seed"]) >= there["reference"] else "NO"
-        lines.append(_line(f"{d}, {_unit(d)}", _spread(here), _spread(there), each, f"{there['reference']:.3g}", reached))
+        lines.append(_line(f"{d}, {_unit(d)}", _spread(here), _spread(there), each, _digits(there["reference"]), reached))
     return "\n".join([*lines, ""])
 
 
@@ -101,7 +101,11 @@ def _unit(direction: str) -> str:
 
 def _spread(row: dict) -> str:
     by_seed = row["by_seed"]
-    return f"{row['mean']:.3g}" + (f" +- {np.std(by_seed, ddof=1):.2g}" if len(by_seed) > 1 else "")
+    return _digits(row["mean"]) + (f" +- {_digits(np.std(by_seed, ddof=1), 2)}" if len(by_seed) > 1 else "")
+
+
+def _digits(x: float, n: int = 3) -> str:
+    return f"{float(f'{x:.{n}g}'):g}"
 
 
 def _head(*cells: str) -> list[str]:
