@@ -14,15 +14,14 @@ import numpy as np
 
 from hamr_description.errors import ConfigError
 
-from .effects.law import Form, Input, Joint, Pair, Scales, Signal
-from .effects.library import library
+from .effects.bank import ACTS, CHANGES, Acting, Bank, Equations
+from .effects.law import Form, Scales
 from .emit import Stage
 from .leg import inertia
 from .plant import Plant
 from .step import inverse2, times2
 
-#: What a fair re-tune may change at each joint: relative drive gain; added stiffness F/Q, damping F T/Q, inertia F T^2/Q; preload F.
-CHANGES = {"gain": "1", "stiffness": "F/Q", "damping": "F*T/Q", "inertia": "F*T^2/Q", "preload": "F"}
+__all__ = ["CHANGES", "Machine", "Terms", "leg_machine", "linear_machine", "step_stage"]
 
 @dataclass(frozen=True, slots=True)
 class Terms:
@@ -75,42 +74,33 @@ class Machine:
         return matrix[(0, 2)[i]] if len(self.joints) == 2 else matrix[0]
 
     @property
+    def bank(self) -> Bank:
+        """Every effect that can act on this machine."""
+        return Bank(len(self.joints))
+
+    @property
     def forms(self) -> list[tuple[str, Form]]:
         """(effect name, form) of all that can act on this machine, in order of action."""
-        acts = ("drive", "force", "sense") + (("pair",) if len(self.joints) == 2 else ())
-        found = [(name, form) for name, effect in library().items() for form in effect.forms if form.acts in acts]
-        return sorted(found, key=lambda item: item[1].order)
+        return self.bank.forms
 
     def places(self, form: Form) -> range:
         """Indices of the places a form has: joints, or the pair."""
-        return range(1 if form.acts == "pair" else len(self.joints))
+        return self.bank.places(form)
 
     @cached_property
     def parameter_rows(self) -> tuple[str, ...]:
         """Names of what may differ between lanes, all zero when nothing is added: change.NAME.JOINT, EFFECT.FORM.PARAMETER.PLACE, step."""
-        n = range(len(self.joints))
-        changes = [f"change.{name}.{j}" for name in CHANGES for j in n]
-        effects = [
-            f"{name}.{form.name}.{parameter.name}.{place}"
-            for name, form in self.forms for parameter in form.parameters for place in self.places(form)
-        ]  # fmt: skip
-        return (*changes, *effects, "step")
+        return (*self.bank.parameter_rows, "step")
 
     def neutral(self, scales: Scales) -> np.ndarray:
         """(rows,) with nothing changed and no effect: sizes zero, shapes at their typical value."""
-        row = dict.fromkeys(self.parameter_rows, 0.0)
-        for name, form in self.forms:
-            for shape in form.shapes:
-                for place in self.places(form):
-                    row[f"{name}.{form.name}.{shape.name}.{place}"] = shape.typical * scales.of(shape.dimension)
-        return np.array(list(row.values()))
+        return np.append(self.bank.neutral(scales), 0.0)
 
     @cached_property
     def state_rows(self) -> tuple[str, ...]:
         """Names of the state: q, v, a, slip of each joint, time, and the effects' own."""
         own = [f"{x}.{j}" for x in ("q", "v", "a", "slip") for j in range(len(self.joints))]
-        inner = [f"{name}.{form.name}.z{i}.{place}" for name, form in self.forms for place in self.places(form) for i in range(form.states)]
-        return (*own, "time", *inner)
+        return (*own, "time", *self.bank.state_rows(*ACTS))
 
 def step_stage(machine: Machine) -> Stage:
     """The traced step: state, drive and parameters -> new state, and the readings at its start."""
@@ -122,80 +112,35 @@ def step_stage(machine: Machine) -> Stage:
     )  # fmt: skip
     q, v, a, slip = (tuple(stage.read("state", f"{x}.{j}") for j in range(n)) for x in ("q", "v", "a", "slip"))
     time, h = stage.read("state", "time"), stage.read("param", "step")
-    change = {name: tuple(stage.read("param", f"change.{name}.{j}") for j in range(n)) for name in CHANGES}
+    bank = Acting(machine.bank, stage)
 
-    u = tuple(x + g * x for x, g in zip((stage.read("drive", d) for d in drives), change["gain"], strict=True))
-    for act in _acting(machine, stage, "drive"):
-        u = tuple(act(j, Input(u[j], u, j, time, h)) for j in range(n))
-
+    u = bank.drive(tuple(stage.read("drive", d) for d in drives), time, h)
     middle = tuple(x + (0.5 * h) * y for x, y in zip(q, v, strict=True))
     v_mid = tuple(y + (0.5 * h) * z for y, z in zip(v, a, strict=True))
     terms = machine.terms(middle, v_mid, v, u)
-    force = list(x - b for x, b in zip(terms.force, terms.bias, strict=True))
-    mass, stiffness, damping, new_slip = list(terms.mass), list(terms.stiffness), list(terms.damping), [0.0] * n
+    force = [x - b for x, b in zip(terms.force, terms.bias, strict=True)]
+    equations = Equations(force, list(terms.mass), list(terms.stiffness), list(terms.damping), [0.0] * n)
+    stiff, heavy = ([machine.diagonal(x, j) for j in range(n)] for x in (machine.at_rest.stiffness, machine.at_rest.mass))
+    bank.push(equations, middle, v, terms.drive, stiff, heavy, time, h)
 
-    def diagonal(j):
-        return (0, 2)[j] if n == 2 else 0
-
-    stiff = tuple(machine.diagonal(machine.at_rest.stiffness, j) + change["stiffness"][j] for j in range(n))
-    heavy = tuple(machine.diagonal(machine.at_rest.mass, j) + change["inertia"][j] for j in range(n))
-    for j in range(n):
-        k, d = change["stiffness"][j], change["damping"][j]
-        force[j] = force[j] + (change["preload"][j] - k * middle[j] - d * v[j])
-        mass[diagonal(j)] = mass[diagonal(j)] + change["inertia"][j]
-        stiffness[diagonal(j)] = stiffness[diagonal(j)] + k
-        damping[diagonal(j)] = damping[diagonal(j)] + d
-    for act in _acting(machine, stage, "force"):
-        for j in range(n):
-            push = act(j, Joint(middle[j], v[j], terms.drive[j], stiff[j], heavy[j], time, h))
-            force[j] = force[j] + push.force
-            mass[diagonal(j)] = mass[diagonal(j)] + push.mass
-            stiffness[diagonal(j)] = stiffness[diagonal(j)] + push.stiffness
-            damping[diagonal(j)] = damping[diagonal(j)] + push.damping
-            new_slip[j] = new_slip[j] + push.slip
-    for act in _acting(machine, stage, "pair"):
-        push = act(0, Pair(middle, v, terms.drive, stiff, heavy, h))
-        for total, part in ((force, push.force), (mass, push.mass), (stiffness, push.stiffness), (damping, push.damping),
-                            (new_slip, push.slip)):  # fmt: skip
-            for i, x in enumerate(part):
-                total[i] = total[i] + x
-
-    left = tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in zip(mass, damping, stiffness, strict=True))
-    kick = tuple(h * f for f in force)
+    left = tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in zip(equations.mass, equations.damping, equations.stiffness, strict=True))
+    kick = tuple(h * f for f in equations.force)
     increment = times2(inverse2(left), kick) if n == 2 else (kick[0] / left[0],)
     v_new = tuple(x + y for x, y in zip(v, increment, strict=True))
     _write(stage, "new_state", "q", [x + (0.5 * h) * (y + z) for x, y, z in zip(q, v, v_new, strict=True)])
     _write(stage, "new_state", "v", v_new)
     _write(stage, "new_state", "a", [x / h for x in increment])
-    _write(stage, "new_state", "slip", new_slip)
+    _write(stage, "new_state", "slip", equations.slip)
     stage.write("new_state", "time", time + h)
 
-    seen = list(machine.outputs(q, slip))
-    for act in _acting(machine, stage, "sense"):
-        for j in range(n):
-            seen[j] = act(j, Signal(seen[j], h))
+    outputs = machine.outputs(q, slip)
+    seen = (*bank.sense(outputs[:n], h), *outputs[n:])
     _write(stage, "seen", "y", seen)
     return stage
 
 def _write(stage: Stage, array: str, name: str, values) -> None:
     for i, x in enumerate(values):
         stage.write(array, f"{name}.{i}", x)
-
-def _acting(machine: Machine, stage: Stage, acts: str) -> list[Callable]:
-    """Functions (place, view) -> answer of all forms of a kind; they read their parameters and states and write the states back."""
-
-    def acting(name: str, form: Form) -> Callable:
-        def act(place: int, view):
-            p = {x.name: stage.read("param", f"{name}.{form.name}.{x.name}.{place}") for x in form.parameters}
-            rows = [f"{name}.{form.name}.z{i}.{place}" for i in range(form.states)]
-            answer, z = form.law(view, p, tuple(stage.read("state", row) for row in rows))
-            for row, x in zip(rows, z, strict=True):
-                stage.write("new_state", row, x)
-            return answer
-
-        return act
-
-    return [acting(name, form) for name, form in machine.forms if form.acts == acts]
 
 def linear_machine(
     name: str, *, inertia: float, stiffness: float = 0.0, damping: float = 0.0, gain: float = 1.0, preload: float = 0.0,
