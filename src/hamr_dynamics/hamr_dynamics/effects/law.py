@@ -2,7 +2,8 @@
 
 A law is a pure function over any scalar type (floats, arrays, traced scalars), written once; kernels, fits and reports all run
 it. It sees its surroundings as one of the views below and answers with what changes. Dimensions are products of powers of F
-(generalised force), Q (coordinate), T (time) and U (drive), so that one library serves machines of any units.
+(generalised force), Q (coordinate), T (time) and U (drive), so that one library serves machines of any units; effects of the
+whole robot on the ground have N (force), L (length) and M (mass) besides.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class Parameter:
         typical: prior median, in the machine's scales (`Scales`). low, high: bounds, likewise.
         doc: what it is.
         shape: False for a size (the effect is linear in it to first order, and off where all sizes are zero), True for any other.
-        screen: values of a shape to screen with, in the machine's scales.
+        screen: values of a shape to screen with, in the machine's scales; of a size only where a threshold makes small ones do nothing.
     """
 
     name: str
@@ -49,13 +50,21 @@ class Scales:
     def of(self, dimension: str) -> float:
         """Scale of a dimension: of("F/Q^3") is force / coordinate^3."""
         scales = {"F": self.force, "Q": self.coordinate, "T": self.time, "U": self.drive}
-        total, sign = 1.0, 1
-        for token in re.findall(r"[FQTU1](?:\^\d)?|/|\*", dimension):
-            if token in "*/":
-                sign = -1 if token == "/" else 1
-            elif token != "1":
-                total *= scales[token[0]] ** (sign * int(token[2:] or 1))
+        total = 1.0
+        for letter, power in powers(dimension):
+            total *= scales[letter] ** power
         return total
+
+
+def powers(dimension: str) -> list[tuple[str, int]]:
+    """A dimension as (letter, power): powers("F/Q^3") is [("F", 1), ("Q", -3)]."""
+    found, sign = [], 1
+    for token in re.findall(r"[A-Z1](?:\^\d)?|/|\*", dimension):
+        if token in "*/":
+            sign = -1 if token == "/" else 1
+        elif token != "1":
+            found.append((token[0], sign * int(token[2:] or 1)))
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,13 +144,45 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
+class Foot:
+    """A foot's contact: friction coefficient, stiffness N/L, damping N T/L."""
+
+    friction: object
+    stiffness: object
+    damping: object
+
+
+@dataclass(frozen=True, slots=True)
+class Chassis:
+    """The chassis without its legs, in its own axes about base_link: mass M, com (3,) L, inertia about it (6,) M L^2 (xx yy zz xy xz yz);
+    gravity (3,) L/T^2 as the ground's axes see it, for the whole robot."""
+
+    mass: object
+    com: tuple
+    inertia: tuple
+    gravity: tuple
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Position (3,) L and velocity (3,) L/T of base_link in the ground's axes."""
+
+    position: tuple
+    velocity: tuple
+
+
+@dataclass(frozen=True, slots=True)
 class Form:
     """One formula for a name.
 
     Attributes:
-        name. acts: "drive", "force", "pair" or "sense", which fixes the views:
+        name. acts: "drive", "force", "pair" or "sense" (and four more below), which fixes the views:
             drive: (Input, p, z) -> (u, z);  force: (Joint, p, z) -> (Push, z);  pair: (Pair, p, z) -> (PairPush, z);
             sense: (Signal, p, z) -> (y, z).
+            Of the whole robot on the ground, and unknown to machines: "foot" and "chassis", which run once, before the first step,
+            "leg" and "tow", which run in every step:
+            foot: (Foot, p, z) -> (Foot, z);  chassis: (Chassis, p, z) -> (Chassis, z);  leg: (`leg.Leg`, p, z) -> (Leg, z);
+            tow: (Motion, p, z) -> (force (3,) N at base_link in the ground's axes, z).
         law: with p a mapping of parameters and z the tuple of internal states, both for this place.
         parameters. states: how many internal states, 0 at rest.
         order: where it comes among those that act on the same signal, from command to force or from joint to reading.
