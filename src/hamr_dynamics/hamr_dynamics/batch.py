@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +14,10 @@ from hamr_description.posture import hang_height, stand_height
 from hamr_description.rates import SUBSTEPS
 
 from . import kernels, stages
-from .plant import Plant, flatten
+from .effects.effects_file import EffectsFile
+from .effects.effects_file import load as load_effects
+from .effects.setup import neutral_leg, set_effects
+from .plant import Plant, flatten, with_effects
 from .plant import plant as find_plant
 
 BLOCK = {"float64": 16, "float32": 32}  # robots whose lanes fill vectors and whose rows still fit the cache
@@ -33,6 +37,7 @@ class BatchSim:
         gravity: mm/ms^2; default numbers.yaml `robot.gravity`.
         dtype: np.float64 or np.float32.
         block: robots per compiled block; 1 is the one-robot kernel behind the ROS nodes.
+        effects: what is added to the model, in all robots: an effects file (`effects.effects_file`) or what was read from one.
 
     Attributes:
         counts: substeps that each joint's end stops pushed, (n, 8).
@@ -40,25 +45,31 @@ class BatchSim:
 
     def __init__(
         self, plant: str | Plant, n: int = 1, *, environment: str = "ground", friction=None, gravity: float | None = None,
-        dtype=np.float64, block: int | None = None,
+        dtype=np.float64, block: int | None = None, effects: str | Path | EffectsFile | None = None,
     ) -> None:  # fmt: skip
         if environment not in ENVIRONMENTS:
             raise ConfigError(f"Unknown environment '{environment}': known are {', '.join(ENVIRONMENTS)}.")
+        self.effects = load_effects(effects)
         self.plant = find_plant(plant) if isinstance(plant, str) else plant
+        if self.effects:
+            self.plant = with_effects(self.plant)
         self.n, self.environment, self.dtype = n, environment, np.dtype(dtype)
         self.block = block or (1 if n == 1 else BLOCK[self.dtype.name])
         self._module = kernels.load(self.plant, environment, self.block, self.dtype.name)
         self._blocks = -(-n // self.block)
-        self.parameter_names = stages.parameter_rows(self.plant)
-        self._state = self._zeros(stages.STATE, 4)
+        self.parameter_names, self.body_names = stages.parameter_rows(self.plant), stages.body_rows(self.plant)
+        self._rows, self._seen_rows = stages.state_rows(self.plant), stages.seen_rows(self.plant)
+        self._state = self._zeros(self._rows, 4)
         self._target = self._zeros(stages.TARGET, 4)
         self._param = self._zeros(self.parameter_names, 4)
         self._base = self._zeros(stages.BASE, 1)
-        self._body = self._zeros(stages.BODY, 1)
-        self._seen = self._zeros(stages.SEEN, 4)
+        self._body = self._zeros(self.body_names, 1)
+        self._seen = self._zeros(self._seen_rows, 4)
+        self._no_drive = self._zeros(stages.DRIVE, 4)
         network = self.plant.network
         self._weights = np.zeros(1, self.dtype) if network is None else network.weights(self.dtype)
         self._fill_parameters(friction, value("robot.gravity") if gravity is None else gravity)
+        set_effects(self, self.effects)
         self.set_gains(value("controller.kp"), value("controller.kd"))
         self.reset()
 
@@ -98,6 +109,8 @@ class BatchSim:
     def _fill_parameters(self, friction, gravity: float) -> None:
         view = self._param.reshape(self._blocks, len(self.parameter_names), 4, self.block)
         flat = [flatten(self.plant.parameters(leg)) for leg in LEGS]
+        if self.plant.effects:
+            flat = [own | neutral_leg(self.plant, leg, gravity) for own, leg in zip(flat, LEGS, strict=True)]
         ground = {
             "friction": value("contact.friction"), "contact_stiffness": value("contact.stiffness"),
             "contact_damping": value("contact.damping"), "slip_speed": value("contact.slip_speed"), "gravity": gravity,
@@ -107,23 +120,32 @@ class BatchSim:
                 view[:, row, i] = ground[name] if name in ground else flat[i][name]
         if friction is not None:
             self.set_parameter("friction", np.broadcast_to(np.asarray(friction, float), (self.n,))[:, None])
-        body = self._body.reshape(self._blocks, len(stages.BODY), self.block)
+        body = self._body.reshape(self._blocks, len(self.body_names), self.block)
         chassis = [self.plant.chassis["mass"], *self.plant.chassis["com"], *self.plant.chassis["inertia"], gravity]
-        body[:] = np.array(chassis)[None, :, None]
+        body[:, : len(chassis)] = np.array(chassis)[None, :, None]  # what follows is zero without effects
 
     def parameter(self, name: str) -> np.ndarray:
         """A lane parameter as (n, 4), legs in order; names in `parameter_names`."""
         row = self._parameter_row(name)
         return self._param.reshape(self._blocks, -1, 4, self.block)[:, row].transpose(0, 2, 1).reshape(-1, 4)[: self.n].copy()
 
-    def set_parameter(self, name: str, x) -> None:
-        """Sets a lane parameter; x broadcasts to (n, 4)."""
+    def set_parameter(self, name: str, x, *, leg: str = "") -> None:
+        """Sets a lane parameter; x broadcasts to (n, 4), or of one leg to (n, 1)."""
         row = self._parameter_row(name)
         view = self._param.reshape(self._blocks, -1, 4, self.block)[:, row].transpose(0, 2, 1)
         full = view.reshape(-1, 4)
-        full[: self.n] = x
+        legs = slice(LEGS.index(leg), LEGS.index(leg) + 1) if leg else slice(None)
+        full[: self.n, legs] = x
         full[self.n :] = full[0]
         view[...] = full.reshape(view.shape)
+
+    def body(self, name: str) -> np.ndarray:
+        """(n,) a parameter of the chassis; names in `body_names`."""
+        return self._get(self._body, self.body_names, name, 1)[:, 0].copy()
+
+    def set_body(self, name: str, x) -> None:
+        """Sets a parameter of the chassis; x broadcasts to (n,)."""
+        self._set(self._body, self.body_names, name, 1, np.broadcast_to(x, (self.n,))[:, None])
 
     def _parameter_row(self, name: str) -> int:
         if name not in self.parameter_names:
@@ -144,36 +166,52 @@ class BatchSim:
         )
 
     def set_state(self, *, q=None, qd=None, position=None, quaternion=None, velocity=None, angular_velocity=None, mask=None) -> None:
-        """Sets parts of the state (shapes and units as the attributes); forgets the last accelerations."""
+        """Sets parts of the state (shapes and units as the attributes); forgets the last accelerations and what effects remember."""
         for name, x in (("q", q), ("v", qd)):
             if x is not None:
-                self._set8(self._state, stages.STATE, name, np.asarray(x) * SIGN, mask)
+                self._set8(self._state, self._rows, name, np.asarray(x) * SIGN, mask)
         bases = {"position": position, "quaternion": quaternion, "velocity": velocity, "omega": angular_velocity}
         for name, x in bases.items():
             if x is not None:
                 self._set(self._base, stages.BASE, name, 4 if name == "quaternion" else 3, x, mask)
-        self._set8(self._state, stages.STATE, "a", 0.0, mask)
+        self._set8(self._state, self._rows, "a", 0.0, mask)
+        self._forget(mask)
         self._set(self._base, stages.BASE, "alpha", 3, 0.0, mask)
+
+    def _forget(self, mask) -> None:
+        """Memories of effects, of the robots of a mask, as at rest."""
+        chosen = np.ones(self._blocks * self.block, bool)
+        if mask is not None:
+            chosen[: self.n] = mask
+        memories = self._state.reshape(self._blocks, len(self._rows), 4, self.block)[:, len(stages.STATE) :]
+        np.moveaxis(memories, 3, 1)[chosen.reshape(self._blocks, self.block)] = 0.0
 
     @property
     def q(self) -> np.ndarray:
         """(n, 8) hip angles, rad."""
-        return self._get8(self._state, stages.STATE, "q", SIGN)
+        return self._get8(self._state, self._rows, "q", SIGN)
 
     @property
     def qd(self) -> np.ndarray:
         """(n, 8) hip rates, rad/ms."""
-        return self._get8(self._state, stages.STATE, "v", SIGN)
+        return self._get8(self._state, self._rows, "v", SIGN)
 
     @property
     def qdd(self) -> np.ndarray:
         """(n, 8) hip accelerations over the last substep, rad/ms^2."""
-        return self._get8(self._state, stages.STATE, "a", SIGN)
+        return self._get8(self._state, self._rows, "a", SIGN)
+
+    def measured(self) -> tuple[np.ndarray, np.ndarray]:
+        """Hip angles (n, 8) rad and rates (n, 8) rad/ms as the sensors have them; without effects the true ones."""
+        if not self.plant.effects:
+            return self.q, self.qd
+        self._module.look(self._state, self._no_drive, self._param, self._weights, self._seen)
+        return tuple(self._get8(self._seen, self._seen_rows, f"measured.{name}", SIGN) for name in "qv")
 
     @property
     def counts(self) -> np.ndarray:
         """(n, 8) substeps in which an end stop pushed, since construction."""
-        return self._get8(self._state, stages.STATE, "stops")
+        return self._get8(self._state, self._rows, "stops")
 
     @property
     def position(self) -> np.ndarray:
@@ -198,7 +236,7 @@ class BatchSim:
     @property
     def finite(self) -> np.ndarray:
         """(n,) whether a robot's state is finite."""
-        legs = np.isfinite(self._get8(self._state, stages.STATE, "q") + self._get8(self._state, stages.STATE, "v")).all(1)
+        legs = np.isfinite(self._get8(self._state, self._rows, "q") + self._get8(self._state, self._rows, "v")).all(1)
         return legs & np.isfinite(self.position).all(1) & np.isfinite(self.quaternion).all(1)
 
     # --- stepping --------------------------------------------------------------------------------------------------------
@@ -232,10 +270,10 @@ class BatchSim:
         return {"q": rows[0] * SIGN, "qd": rows[1] * SIGN, "volts": rows[2] * DRIVE_SIGN + value("actuator.neutral_voltage")}
 
     def observe(self, volts) -> Mapping[str, np.ndarray]:
-        """At volts (n, 8) V: tip mm, tip_rate mm/ms, tip_force N (along +y of the chassis) and torque N mm of the drive, (n, 8) each."""
-        drive = np.zeros_like(self._state[:, : 2 * 4 * self.block])
+        """At volts (n, 8) V (with effects: at the drive that acted last): tip mm, tip_rate mm/ms, tip_force N (along +y of the chassis) and torque N mm of the drive, (n, 8) each."""
+        drive = self._no_drive.copy()
         self._set8(drive, stages.DRIVE, "drive", (np.asarray(volts, float) - value("actuator.neutral_voltage")) * DRIVE_SIGN)
         self._module.look(self._state, drive, self._param, self._weights, self._seen)
         along_y = np.array([joint_signs(leg)[1] for leg in LEGS for _ in (0, 1)], float)
         signs = {"tip": along_y, "tip_rate": along_y, "tip_force": along_y, "torque": SIGN}
-        return {name: self._get8(self._seen, stages.SEEN, name, sign) for name, sign in signs.items()}
+        return {name: self._get8(self._seen, self._seen_rows, name, sign) for name, sign in signs.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import stages
+from . import bank_stages, stages
 from .emit import Stage, loop_body
 from .plant import Plant
 
@@ -39,14 +39,14 @@ def advance(steps, servoed, state, volts, target, param, base, body, weights, re
         {param} = param[b]
         {base} = base[b]
         {body} = body[b]
-        for k in range(steps):
+        for k in range(steps):{sense}
             if servoed:
 {servo}
             else:
                 {drive} = volts[b, k]
             if record.shape[1] > 0:
                 record[b, k, :{kept}] = {state}[:{kept}]
-                record[b, k, {kept}:] = {drive}
+                record[b, k, {kept}:] = {drive}{command}
             {network}
 {chain}
         state[b] = {state}
@@ -79,20 +79,31 @@ def source(plant: Plant, environment: str, robots: int, dtype: str, h: float, li
     legs = 4 * robots
     if environment == "ground":
         chain = [
-            (stages.predict(h), robots), (stages.reach(plant, h), legs), (stages.balance_soft(h), robots),
-            (stages.grounded(plant, h), legs), (stages.balance_free(h), robots), (stages.finish_legs(h), legs),
+            (stages.predict(h, effects=plant.effects), robots), (stages.reach(plant, h), legs),
+            (stages.balance_soft(h, effects=plant.effects), robots), (stages.grounded(plant, h), legs),
+            (stages.balance_free(h, effects=plant.effects), robots), (stages.finish_legs(h), legs),
         ]  # fmt: skip
     else:
         chain = [(stages.suspended(plant, h), legs)]
-    servo, observe = stages.servo(limit), stages.observe(plant)
-    places, spans, size = _layout([*chain, (servo, legs), (observe, legs)], robots)
+    servo, observe = stages.servo(limit), stages.observe(plant, h)
+    early = [(bank_stages.sense(plant, h), legs), (bank_stages.command(plant, h), legs)] if plant.effects else []
+    places, spans, size = _layout(plant, [*early, *chain, (servo, legs), (observe, legs)], robots)
     driven = places | {"drive": places["torque"]} if plant.network else places
+    acting, sense, command = "{drive}".format(**spans), "", ""
+    if plant.effects:
+        acted = places["new_drive"]  # its first rows are the drive as effects leave it
+        acting = f"work[{acted}:{acted + len(stages.DRIVE) * legs}]"
+        driven = places | {"drive": places["torque"] if plant.network else acted}
+        sense, command = ("\n" + loop_body(stage, lanes, work=places, indent=12).rstrip() for stage, lanes in early)
+    looking = places | {"state": places["measured"]} if plant.effects else places
     blanks = spans | {
         "size": size,
         "kept": 4 * legs,
         "scratch": plant.network.scratch(robots) if plant.network else 1,
-        "network": "network({state}, {drive}, weights, scratch, {torque})".format(**spans) if plant.network else "",
-        "servo": loop_body(servo, legs, work=places, indent=16).rstrip(),
+        "network": f"network({spans['state']}, {acting}, weights, scratch, {spans['torque']})" if plant.network else "",
+        "sense": sense,
+        "command": command,
+        "servo": loop_body(servo, legs, work=looking, indent=16).rstrip(),
         "chain": "".join(loop_body(stage, lanes, work=driven, indent=12) for stage, lanes in chain).rstrip(),
         "observe": loop_body(observe, legs, work=driven, indent=8).rstrip(),
     }
@@ -101,19 +112,22 @@ def source(plant: Plant, environment: str, robots: int, dtype: str, h: float, li
     return "".join([head, network, ADVANCE.format(**blanks), LOOK.format(**blanks)])
 
 
-def _layout(chain: list[tuple[Stage, int]], robots: int) -> tuple[dict[str, int], dict[str, str], int]:
+def _layout(plant: Plant, chain: list[tuple[Stage, int]], robots: int) -> tuple[dict[str, int], dict[str, str], int]:
     """Where each array lies in the working array, its span as source text, and the size of the whole.
 
     A new state lies on the old one; `body`, `base` and `torque` have a place whether a stage uses them or not.
     """
-    sizes = {"base": len(stages.BASE) * robots, "body": len(stages.BODY) * robots, "torque": len(stages.DRIVE) * 4 * robots}
+    sizes = {"base": len(stages.BASE) * robots, "body": len(stages.body_rows(plant)) * robots, "torque": len(stages.DRIVE) * 4 * robots}
+    whole = {"state": stages.state_rows(plant), "body": stages.body_rows(plant)}  # some stages name the first rows only
     for stage, lanes in chain:
-        sizes |= {array: len(rows) * lanes for array, rows in (stage.inputs | stage.outputs).items()}
+        sizes |= {array: len(whole.get(array, rows)) * lanes for array, rows in (stage.inputs | stage.outputs).items()}
+    renewed = stages.renewed(plant)
     places, end = {}, 0
     for array, size in sizes.items():
-        if array not in stages.RENEWED:
+        if array not in renewed:
             places[array] = end
             end += size
-    places |= {new: places[old] for new, old in stages.RENEWED.items()}
+    per_row = {"state": 4 * robots, "base": robots}
+    places |= {new: places[old] + first * per_row[old] for new, (old, first) in renewed.items() if old in places}
     spans = {array: f"work[{place}:{place + sizes.get(array, 0)}]" for array, place in places.items()}
     return places, spans, end

@@ -26,6 +26,11 @@ _FORMAT = {
 }
 
 
+def rows(**sizes: int) -> tuple[str, ...]:
+    """Row names: rows(q=2, h=1) -> q.0 q.1 h."""
+    return tuple(f"{name}.{i}" if n > 1 else name for name, n in sizes.items() for i in range(n))
+
+
 @dataclass(slots=True)
 class Stage:
     """A traced function from some arrays to others.

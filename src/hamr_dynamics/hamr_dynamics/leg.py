@@ -62,6 +62,7 @@ class Leg:
         tip_force: (2,) actuator forces, N.
         torque: (2,) generalised hip force of the drive alone, N mm.
         stop: (2,) 1 where an end stop pushes.
+        armature: inertia of the hips that no body carries, as (11, 12, 22), g mm^2.
     """
 
     bodies: list[Body]
@@ -73,6 +74,7 @@ class Leg:
     tip_force: tuple
     torque: tuple
     stop: tuple
+    armature: tuple = (0.0, 0.0, 0.0)
 
 
 PAIRS = ((0, 0), (0, 1), (1, 1))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module
 
@@ -21,6 +21,7 @@ class Plant:
         chassis: mass (g), com (3,) mm, inertia (6,) g mm^2 about it.
         tunable: parameters that may differ from lane to lane (everything else is compiled in).
         network: torque network in place of the drive, or None (`hamr_sim_residual.network`).
+        effects: whether its kernels carry the bank of effects (`with_effects`).
     """
 
     name: str
@@ -29,6 +30,7 @@ class Plant:
     chassis: Mapping
     tunable: tuple[str, ...] = ()
     network: object | None = field(default=None)
+    effects: bool = False
 
 
 #: Where each backend lives; its package registers it on import.
@@ -53,6 +55,12 @@ def plant(name: str) -> Plant:
     if name not in _REGISTRY:
         raise ConfigError(f"Unknown backend '{name}': known are {', '.join(sorted({*HOMES, *_REGISTRY}))}.")
     return _REGISTRY[name]()
+
+
+@cache
+def with_effects(model: Plant) -> Plant:
+    """The same robot with the bank of effects in its kernels; always the same object for the same plant."""
+    return model if model.effects else replace(model, effects=True)
 
 
 def flatten(parameters: Mapping) -> dict[str, float]:

@@ -5,15 +5,18 @@ Arrays (rows x lanes; leg lanes are leg-major: lane = leg * robots + robot, in t
     drive  leg lanes    voltage minus neutral in the leg frame, or hip torque from a network
     param  leg lanes    what differs between lanes
     base   robot lanes  chassis state;   body  robot lanes  chassis parameters
+A plant with effects has more rows behind some of these (`bank_stages`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from hamr_description.names import LEGS, MIRROR
 
-from . import scalar, vec
+from . import bank_stages, scalar, vec
 from .contact import Contact
-from .emit import Stage
+from .emit import Stage, rows
 from .plant import Plant, flatten, unflatten
 from .step import (
     ROW6,
@@ -33,11 +36,6 @@ from .step import (
 )
 
 
-def rows(**sizes: int) -> tuple[str, ...]:
-    """Row names: rows(q=2, h=1) -> q.0 q.1 h."""
-    return tuple(f"{name}.{i}" if n > 1 else name for name, n in sizes.items() for i in range(n))
-
-
 STATE = rows(q=2, v=2, a=2, stops=2)
 DRIVE = rows(drive=2)
 TARGET = rows(target=2, kp=2, kd=2)
@@ -54,7 +52,27 @@ REACH = rows(
     jacobian=6, point=3, contact=6, stop=2,
 )  # fmt: skip
 GROUNDED = rows(rhs=6, own=2, force=3)
-RENEWED = {"new_state": "state", "new_base": "base"}  # outputs that take the place of an input
+
+
+def state_rows(plant: Plant) -> tuple[str, ...]:
+    """Rows of the legs' state."""
+    return (*STATE, *bank_stages.STATE) if plant.effects else STATE
+
+
+def body_rows(plant: Plant) -> tuple[str, ...]:
+    """Rows of the chassis's parameters."""
+    return (*BODY, *bank_stages.BODY) if plant.effects else BODY
+
+
+def seen_rows(plant: Plant) -> tuple[str, ...]:
+    """Rows of what `observe` sees."""
+    return (*SEEN, *bank_stages.MEASURED) if plant.effects else SEEN
+
+
+def renewed(plant: Plant) -> dict[str, tuple[str, int]]:
+    """Outputs that take the place of an input: output -> (input, first row)."""
+    own = {"new_state": ("state", 0), "new_base": ("base", 0)}
+    return own | {new: ("state", len(STATE) + first) for new, first in bank_stages.FIRST.items()} if plant.effects else own
 
 
 def by_leg(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -66,7 +84,7 @@ def parameter_rows(plant: Plant) -> tuple[str, ...]:
     """Leg parameters that vary by lane: tunable ones, and whatever differs between the legs."""
     legs = [flatten(plant.parameters(leg)) for leg in LEGS]
     different = [k for k in legs[0] if k.split(".")[0] in plant.tunable or len({leg[k] for leg in legs}) > 1]
-    return (*different, *ENVIRONMENT)
+    return (*different, *ENVIRONMENT, *(bank_stages.PARAMETERS if plant.effects else ()))
 
 
 def _parameters(stage: Stage, plant: Plant) -> dict:
@@ -85,11 +103,22 @@ def _write_state(stage: Stage, state: LegState, stops) -> None:
     stage.write("new_state", "stops", tuple(n + s for n, s in zip(stage.reads("state", "stops", 2), stops, strict=True)))
 
 
+def _memory(plant: Plant) -> dict[str, tuple[str, ...]]:
+    """Outputs of a stage that evaluates `_leg`, besides its own."""
+    return {"new_force": bank_stages.FORCE} if plant.effects else {}
+
+
+def _leg(plant: Plant, stage: Stage, h: float) -> Callable:
+    """The plant's leg function, with the effects that act on a leg if its kernels carry them."""
+    return bank_stages.leg(plant, stage, h) if plant.effects else plant.leg
+
+
 def suspended(plant: Plant, h: float) -> Stage:
     """A whole step of a leg on a fixed chassis."""
-    stage = Stage("suspended", {"state": STATE, "drive": DRIVE, "param": parameter_rows(plant)}, {"new_state": STATE})
+    outputs = {"new_state": STATE, **_memory(plant)}
+    stage = Stage("suspended", {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant)}, outputs)
     state, leg = step_suspended(
-        plant.leg, _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), stage.read("param", "gravity"), h
+        _leg(plant, stage, h), _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), stage.read("param", "gravity"), h
     )
     _write_state(stage, state, leg.stop)
     return stage
@@ -116,13 +145,17 @@ def servo(limit: float) -> Stage:
     return stage
 
 
-def observe(plant: Plant) -> Stage:
+def observe(plant: Plant, h: float) -> Stage:
     """What only a simulator knows of a leg: actuator tips, their rates and forces, and the drive's hip torque."""
-    stage = Stage("observe", {"state": STATE, "drive": DRIVE, "param": parameter_rows(plant)}, {"seen": SEEN})
+    stage = Stage("observe", {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant)}, {"seen": seen_rows(plant)})
     state = _state(stage)
     leg = plant.leg(state.q, state.v, stage.reads("drive", "drive", 2), _parameters(stage, plant))
-    stage.write("seen", "tip", tuple(t.value for t in leg.tips))
-    stage.write("seen", "tip_rate", tuple(t.rate(state.v) for t in leg.tips))
+    if plant.effects:
+        leg = bank_stages.seen(stage, leg, h)
+    tips = tuple(t.value for t in leg.tips), tuple(t.rate(state.v) for t in leg.tips)
+    tip, tip_rate = bank_stages.tips(stage, leg, state.v) if plant.effects else tips
+    stage.write("seen", "tip", tip)
+    stage.write("seen", "tip_rate", tip_rate)
     stage.write("seen", "tip_force", tuple(leg.tip_force))
     stage.write("seen", "torque", tuple(leg.torque))
     return stage
@@ -133,9 +166,12 @@ def _base_state(stage: Stage) -> BaseState:
     return BaseState(*(stage.reads("base", name, n) for name, n in sizes.items()))
 
 
-def predict(h: float) -> Stage:
+def predict(h: float, *, effects: bool = False) -> Stage:
     """Base half a step ahead."""
-    stage = Stage("predict", {"base": BASE}, {"pose": POSE, "near": by_leg(NEAR)})
+    inputs, pose, near = {"base": BASE}, POSE, NEAR
+    if effects:
+        inputs, pose, near = inputs | {"body": (*BODY, *bank_stages.BODY)}, (*POSE, *bank_stages.POSE), (*NEAR, *bank_stages.NEAR)
+    stage = Stage("predict", inputs, {"pose": pose, "near": by_leg(near)})
     state = _base_state(stage)
     quaternion, matrix, height, velocity, omega_mid = base_ahead(state, h)
     stage.write("pose", "quaternion", quaternion)
@@ -147,6 +183,10 @@ def predict(h: float) -> Stage:
         for name, vector in (("velocity", velocity), ("normal", matrix[2])):
             stage.write("near", f"{leg}.{name}", mirror(leg, vector))
         stage.write("near", f"{leg}.height", height)
+    if effects:
+        pull = bank_stages.surroundings(stage, state, matrix)
+        for leg in LEGS:
+            stage.write("near", f"{leg}.pull", mirror(leg, pull))
     return stage
 
 
@@ -164,11 +204,16 @@ def mirror_spin(leg: str, v) -> tuple:
 
 def reach(plant: Plant, h: float) -> Stage:
     """Eliminates a leg."""
-    stage = Stage("reach", {"state": STATE, "drive": DRIVE, "param": parameter_rows(plant), "near": NEAR}, {"reach": REACH})
+    near = (*NEAR, *bank_stages.NEAR) if plant.effects else NEAR
+    inputs = {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant), "near": near}
+    stage = Stage("reach", inputs, {"reach": REACH, **_memory(plant)})
     base = {name: stage.reads("near", name, 3) for name in ("omega", "omega_mid", "velocity", "normal")}
     base |= {"height": stage.read("near", "height"), "gravity": stage.read("param", "gravity")}
     ground = {name.removeprefix("contact_"): stage.read("param", name) for name in GROUND}
-    r = reach_leg(plant.leg, _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), base, ground, h)
+    more = {"pull": stage.reads("near", "pull", 3)} if plant.effects else {}
+    r = reach_leg(
+        _leg(plant, stage, h), _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), base, ground, h, **more
+    )
     stage.write("reach", "soft_matrix", r.soft_matrix)
     stage.write("reach", "soft_rhs", r.soft_rhs)
     stage.write("reach", "free_matrix", r.free_matrix)
@@ -215,10 +260,14 @@ def _balance(stage: Stage, kind: str, h: float) -> tuple:
     """Base equations, solved."""
     omega_mid, matrix = stage.reads("pose", "omega_mid", 3), stage.reads("pose", "rows", 9)
     lift = vec.scale(matrix[6:9], stage.read("body", "gravity"))
+    if "pull.0" in stage.inputs["pose"]:
+        lift = vec.add(lift, stage.reads("pose", "pull", 3))
     body = stage.read("body", "mass"), stage.reads("body", "com", 3), stage.reads("body", "inertia", 6)
     chassis, rhs = chassis_terms(*body, omega_mid, lift, h)
     total = vec.add(chassis, _sum_legs(stage, "reach", f"{kind}_matrix", 21))
     rhs = vec.add(rhs, _sum_legs(stage, "reach", f"{kind}_rhs", 6))
+    if "tow.0" in stage.inputs["pose"]:
+        rhs = vec.add(rhs, vec.scale((0.0, 0.0, 0.0, *stage.reads("pose", "tow", 3)), h))
     if kind == "free":
         rhs = vec.add(rhs, _sum_legs(stage, "grounded", "rhs", 6))
     return solve6(total, rhs)
@@ -229,9 +278,10 @@ def _write_increment(stage: Stage, array: str, increment) -> None:
         stage.write(array, f"{leg}.increment", mirror_spin(leg, increment[:3]) + mirror(leg, increment[3:]))
 
 
-def balance_soft(h: float) -> Stage:
+def balance_soft(h: float, *, effects: bool = False) -> Stage:
     """First base solve, contact on the left-hand side."""
-    stage = Stage("balance_soft", {"pose": POSE, "body": BODY, "reach": by_leg(REACH)}, {"soft": by_leg(INCREMENT)})
+    pose = (*POSE, *bank_stages.POSE) if effects else POSE
+    stage = Stage("balance_soft", {"pose": pose, "body": BODY, "reach": by_leg(REACH)}, {"soft": by_leg(INCREMENT)})
     _write_increment(stage, "soft", _balance(stage, "soft", h))
     return stage
 
@@ -250,9 +300,9 @@ def grounded(plant: Plant, h: float) -> Stage:
     return stage
 
 
-def balance_free(h: float) -> Stage:
+def balance_free(h: float, *, effects: bool = False) -> Stage:
     """Second base solve with the ground's forces: the new base, and its increment for each leg."""
-    inputs = {"base": BASE, "pose": POSE, "body": BODY, "reach": by_leg(REACH), "grounded": by_leg(GROUNDED)}
+    inputs = {"base": BASE, "pose": (*POSE, *bank_stages.POSE) if effects else POSE, "body": BODY, "reach": by_leg(REACH), "grounded": by_leg(GROUNDED)}
     stage = Stage("balance_free", inputs, {"new_base": BASE, "free": by_leg(INCREMENT)})
     increment = _balance(stage, "free", h)
     flat = stage.reads("pose", "rows", 9)

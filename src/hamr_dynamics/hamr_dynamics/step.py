@@ -50,7 +50,8 @@ def times2(m, x):
 
 def implicit(mass, leg: Leg, h):
     """Left-hand side of the midpoint rule: M + h/2 D + h^2/4 K."""
-    return tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in zip(mass, leg.damping, leg.stiffness, strict=True))
+    matrices = zip(mass, leg.armature, leg.damping, leg.stiffness, strict=True)
+    return tuple(m + r + (0.5 * h) * d + (0.25 * h * h) * k for m, r, d, k in matrices)
 
 
 def finish(state: LegState, increment, h) -> LegState:
@@ -98,17 +99,18 @@ class Reach:
     stop: tuple
 
 
-def reach_leg(leg_function, state: LegState, drive, parameters, base, ground, h) -> Reach:
+def reach_leg(leg_function, state: LegState, drive, parameters, base, ground, h, *, pull=(0.0, 0.0, 0.0)) -> Reach:
     """Eliminates one leg.
 
     Args:
         base: mapping with omega, omega_mid (3,) rad/ms, velocity (3,) mm/ms, normal (3,) (all in leg-frame axes), height mm, gravity.
         ground: mapping with friction, stiffness, damping, slip_speed.
+        pull: (3,) acceleration that gravity along the ground is equivalent to, mm/ms^2.
     """
     q, v_mid = ahead(state, h)
     leg = leg_function(q, state.v, drive, parameters)
     normal = base["normal"]
-    terms = inertia(leg.bodies, v_mid, base["omega_mid"], vec.scale(normal, base["gravity"]))
+    terms = inertia(leg.bodies, v_mid, base["omega_mid"], vec.add(vec.scale(normal, base["gravity"]), pull))
 
     point = tuple(c.value for c in leg.foot)
     jacobian = tuple(tuple(c.d[i] for c in leg.foot) for i in (0, 1))

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..emit import Stage
-from .law import Form, Input, Joint, Pair, PairPush, Push, Scales, Signal
+from ..vec import add
+from .law import Form, Input, Joint, Motion, Pair, PairPush, Push, Scales, Signal
 from .library import library
 
 #: What a fair re-tune may change at each joint: relative drive gain; added stiffness F/Q, damping F T/Q, inertia F T^2/Q; preload F.
@@ -22,14 +23,15 @@ ACTS = ("drive", "force", "pair", "sense")
 
 @dataclass(frozen=True, slots=True)
 class Bank:
-    """All forms that act inside the step of a machine of one joint or of two coupled ones."""
+    """All forms of some kinds at one machine: of one joint, of two coupled ones, or of none (the chassis)."""
 
     joints: int
+    acts: tuple[str, ...] = ACTS
 
     @property
     def forms(self) -> list[tuple[str, Form]]:
         """(effect name, form) in order of action."""
-        acts = [kind for kind in ACTS if kind != "pair" or self.joints == 2]
+        acts = [kind for kind in self.acts if kind != "pair" or self.joints == 2]
         found = [(name, form) for name, effect in library().items() for form in effect.forms if form.acts in acts]
         return sorted(found, key=lambda item: item[1].order)
 
@@ -38,8 +40,8 @@ class Bank:
         return [(name, form) for name, form in self.forms if form.acts in acts]
 
     def places(self, form: Form) -> range:
-        """Indices of the places a form has: joints, or the pair."""
-        return range(1 if form.acts == "pair" else self.joints)
+        """Indices of the places a form has: joints, or the whole."""
+        return range(self.joints if form.acts in ("drive", "force", "sense") else 1)
 
     @property
     def parameter_rows(self) -> tuple[str, ...]:
@@ -99,10 +101,10 @@ class Equations:
 
 
 class Acting:
-    """A bank at work in a stage with arrays "param" and "state"; new internal states go to the array `new`."""
+    """A bank at work in a stage with arrays `param` and "state"; new internal states go to the array `new`, or nowhere."""
 
-    def __init__(self, bank: Bank, stage: Stage, new: str = "new_state") -> None:
-        self._bank, self._stage, self._new = bank, stage, new
+    def __init__(self, bank: Bank, stage: Stage, new: str = "new_state", param: str = "param") -> None:
+        self._bank, self._stage, self._new, self._param = bank, stage, new, param
         self._joints = range(bank.joints)
 
     def change(self, name: str) -> tuple:
@@ -130,6 +132,19 @@ class Acting:
         for act in self._laws("pair"):
             equations.add_pair(act(0, Pair(q, v, drive, stiff, heavy, step)))
 
+    def leg(self, leg):
+        """A `leg.Leg` as forms that act on it leave it."""
+        for act in self._laws("leg"):
+            leg = act(0, leg)
+        return leg
+
+    def tow(self, motion: Motion) -> tuple:
+        """(3,) force on the chassis."""
+        total = (0.0, 0.0, 0.0)
+        for act in self._laws("tow"):
+            total = add(total, act(0, motion))
+        return total
+
     def sense(self, reading: tuple, step) -> tuple:
         """(n,) what the joints' sensors say."""
         for act in self._laws("sense"):
@@ -138,11 +153,11 @@ class Acting:
 
     def _laws(self, acts: str) -> list[Callable]:
         """Functions (place, view) -> answer; they read their parameters and states and write the states back."""
-        stage, new = self._stage, self._new
+        stage, new, param = self._stage, self._new, self._param
 
         def acting(name: str, form: Form) -> Callable:
             def act(place: int, view):
-                p = {x.name: stage.read("param", f"{name}.{form.name}.{x.name}.{place}") for x in form.parameters}
+                p = {x.name: stage.read(param, f"{name}.{form.name}.{x.name}.{place}") for x in form.parameters}
                 rows = [f"{name}.{form.name}.z{i}.{place}" for i in range(form.states)]
                 answer, z = form.law(view, p, tuple(stage.read("state", row) for row in rows))
                 if new:
