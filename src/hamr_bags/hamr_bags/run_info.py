@@ -54,7 +54,7 @@ class RunInfo:
         samples_per_frame: servo samples kept of each period; the sample rate is this times target_hz.
         as_measured: empty, or how a simulated bag was made to look measured ({"noise": ..., "seed": ...}).
         excitation: parameters of the excitation (`excitation(**parameters)`), empty in closed loop.
-        effects: effects switched on in the simulator, as in an effects file.
+        effects: effects and changes that were added to the model, as in an effects file; effects_hash: of all of them.
         parameters_hash: of the description's numbers.
     """
 
@@ -69,6 +69,7 @@ class RunInfo:
     seed: int = 0
     excitation: dict[str, object] = field(default_factory=dict)
     effects: list[dict] = field(default_factory=list)
+    effects_hash: str = ""
     parameters_hash: str = ""
     versions: dict[str, str] = field(default_factory=dict)
     schema: int = SCHEMA

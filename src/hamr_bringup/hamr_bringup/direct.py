@@ -52,7 +52,8 @@ class Steered:
 
 def make_engine(run: Run):
     """The engine of a run, as the simulator nodes make it."""
-    options = {"engine": run.engine, "environment": run.environment, "friction": run.friction, "seed": run.seed}
+    options = {"engine": run.engine, "environment": run.environment, "friction": run.friction, "effects": run.effects}
+    options["seed"] = run.seed
     if run.backend == "full":
         from hamr_sim_full import engines as full  # each only where it is asked for
 

@@ -25,6 +25,7 @@ class Run:
         environment: ground or suspended.
         friction: coefficient of the ground; None for the default.
         residual: residual model file, for the residual backend.
+        effects: effects file, what is added to the model; empty for nothing.
         policy: policy files, with commas; empty for no policy: targets may come from anyone.
         command: what the policy does until /cmd_vel says otherwise: forward, backward, left, right, or nothing.
         excitation: parameters of an excitation that drives in the controller's place, as of hamr_bags.excitation; empty for none.
@@ -41,6 +42,7 @@ class Run:
     environment: str = "ground"
     friction: float | None = None
     residual: str = ""
+    effects: str = ""
     policy: str = ""
     command: str = ""
     excitation: dict[str, object] = field(default_factory=dict)
@@ -151,6 +153,7 @@ def _simulator(run: Run, parameters: dict[str, object]) -> NodeSpec:
         "real_time_factor": float(run.real_time_factor),
         "duration": float(run.seconds),
         "excitation": json.dumps(run.excitation) if run.excitation else "",
+        "effects": run.effects,
     }
     if run.friction is not None:
         parameters["friction"] = float(run.friction)

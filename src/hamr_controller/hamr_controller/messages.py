@@ -11,6 +11,7 @@ from hamr_bags.run_info import RunInfo
 from hamr_description import urdf
 from hamr_description.names import JOINTS, Topic
 from hamr_description.rates import SUBSTEPS
+from hamr_dynamics.effects.effects_file import EffectsFile
 
 #: Rows of an engine's sample (architecture.md, ROWS), their number, and the length of its base state.
 POSITION, VELOCITY, DEFLECTION, DEFLECTION_RATE, TORQUE, FORCE, ACCELERATION = range(7)
@@ -81,6 +82,7 @@ class TargetMessages:
 
 def announcements(engine, samples_per_frame: int, seed: int, excitation: dict) -> dict[str, bytes]:
     """Topic -> message of what a simulator says once: /run_info and /robot_description."""
+    effects = getattr(engine, "effects", EffectsFile())
     info = RunInfo.of_simulation(
         environment=engine.environment,
         samples_per_frame=samples_per_frame,
@@ -88,6 +90,8 @@ def announcements(engine, samples_per_frame: int, seed: int, excitation: dict) -
         engine=engine.engine,
         seed=seed,
         excitation=excitation,
+        effects=effects.entries,
+        effects_hash=effects.hash,
     )
     return {Topic.RUN_INFO: string(info.to_json()), Topic.ROBOT_DESCRIPTION: string(urdf.build())}
 

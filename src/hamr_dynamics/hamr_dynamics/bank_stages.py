@@ -38,23 +38,17 @@ NEAR = rows(pull=3)
 MEASURED = tuple(f"measured.{row}" for row in rows(q=2, v=2))
 
 
-def command(plant: Plant, h: float) -> Stage:
-    """The drive that acts, of the commanded one."""
-    from .stages import parameter_rows, state_rows  # the rows before ours
-
-    inputs = {"state": state_rows(plant), "drive": rows(drive=2), "param": parameter_rows(plant)}
-    stage = Stage("command", inputs, {"new_drive": DRIVE})
+def command(state: tuple[str, ...], param: tuple[str, ...], h: float) -> Stage:
+    """The drive that acts, of the commanded one; state and param are all rows of these arrays."""
+    stage = Stage("command", {"state": state, "drive": rows(drive=2), "param": param}, {"new_drive": DRIVE})
     acting = Acting(LEG_BANK, stage, "new_drive")
     stage.write("new_drive", "acted", acting.drive(stage.reads("drive", "drive", 2), stage.read("state", "time"), h))
     return stage
 
 
-def sense(plant: Plant, h: float) -> Stage:
-    """What the sensors say of angles and rates, in the places of `servo`'s."""
-    from .stages import parameter_rows, state_rows
-
-    inputs = {"state": state_rows(plant), "param": parameter_rows(plant)}
-    stage = Stage("sense", inputs, {"new_sense": SENSE, "measured": rows(q=2, v=2)})
+def sense(state: tuple[str, ...], param: tuple[str, ...], h: float) -> Stage:
+    """What the sensors say of angles and rates, as the first rows of a state; arguments as of `command`."""
+    stage = Stage("sense", {"state": state, "param": param}, {"new_sense": SENSE, "measured": rows(q=2, v=2)})
     q, v, error = _reading(stage, h, "new_sense")
     stage.write("measured", "q", q)
     stage.write("measured", "v", v)

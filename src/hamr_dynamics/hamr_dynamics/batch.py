@@ -270,7 +270,10 @@ class BatchSim:
         return {"q": rows[0] * SIGN, "qd": rows[1] * SIGN, "volts": rows[2] * DRIVE_SIGN + value("actuator.neutral_voltage")}
 
     def observe(self, volts) -> Mapping[str, np.ndarray]:
-        """At volts (n, 8) V (with effects: at the drive that acted last): tip mm, tip_rate mm/ms, tip_force N (along +y of the chassis) and torque N mm of the drive, (n, 8) each."""
+        """Tip mm, tip_rate mm/ms, tip_force N (along +y of the chassis) and torque N mm of the drive, (n, 8) each.
+
+        Forces are those at volts (n, 8) V, or with effects, which remember, those of the last step.
+        """
         drive = self._no_drive.copy()
         self._set8(drive, stages.DRIVE, "drive", (np.asarray(volts, float) - value("actuator.neutral_voltage")) * DRIVE_SIGN)
         self._module.look(self._state, drive, self._param, self._weights, self._seen)

@@ -86,7 +86,8 @@ def source(plant: Plant, environment: str, robots: int, dtype: str, h: float, li
     else:
         chain = [(stages.suspended(plant, h), legs)]
     servo, observe = stages.servo(limit), stages.observe(plant, h)
-    early = [(bank_stages.sense(plant, h), legs), (bank_stages.command(plant, h), legs)] if plant.effects else []
+    rows = stages.state_rows(plant), stages.parameter_rows(plant)
+    early = [(bank_stages.sense(*rows, h), legs), (bank_stages.command(*rows, h), legs)] if plant.effects else []
     places, spans, size = _layout(plant, [*early, *chain, (servo, legs), (observe, legs)], robots)
     driven = places | {"drive": places["torque"]} if plant.network else places
     acting, sense, command = "{drive}".format(**spans), "", ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Protocol
 
 import numba
@@ -12,6 +13,7 @@ from hamr_description.names import LEGS, joint_signs
 from hamr_description.numbers import value
 
 from .batch import DRIVE_SIGN, SIGN, BatchSim
+from .effects.effects_file import EffectsFile
 from .plant import Plant
 
 #: Rows of a servo sample, (7, 8) float64 in SI, joints in canonical order.
@@ -26,11 +28,13 @@ class Engine(Protocol):
         backend: full, simple, simple_published or residual.
         engine: kernel or mujoco.
         environment: ground or suspended.
+        effects: what is added to the model; only the kernel takes any.
     """
 
     backend: str
     engine: str
     environment: str
+    effects: EffectsFile
 
     def reset(self, seed: int = 0) -> None:
         """Back to rest; the same seed gives the same run."""
@@ -54,9 +58,11 @@ class KernelEngine:
     engine = "kernel"
 
     def __init__(
-        self, plant: str | Plant, *, environment: str = "ground", friction: float | None = None, gravity: float | None = None
-    ) -> None:
-        self.sim = BatchSim(plant, 1, environment=environment, friction=friction, gravity=gravity, block=1)
+        self, plant: str | Plant, *, environment: str = "ground", friction: float | None = None, gravity: float | None = None,
+        effects: str | Path | EffectsFile | None = None,
+    ) -> None:  # fmt: skip
+        self.sim = BatchSim(plant, 1, environment=environment, friction=friction, gravity=gravity, block=1, effects=effects)
+        self.effects = self.sim.effects
         self.backend, self.environment = self.sim.plant.name, environment
         self._neutral = value("actuator.neutral_voltage")
         self._drive = np.zeros((1, 1, 8))  # rows (swing, lift) x legs
@@ -65,6 +71,8 @@ class KernelEngine:
         self._y_sign = np.array([float(joint_signs(leg)[1]) for leg in LEGS])
         self._state = self.sim._state[0].reshape(-1, 4)
         self._no_record = np.empty((1, 0, 24))
+        # angles and rates as sensors have them: the first rows of the state, or the last of what is seen
+        self._measured = self.sim._seen[0, -16:] if self.sim.plant.effects else self.sim._state[0, :16]
 
     def reset(self, seed: int = 0) -> None:
         """Stand at rest, stops counted from zero."""
@@ -76,7 +84,7 @@ class KernelEngine:
         """Fills a servo sample; tip forces and torques belong to the voltage that was held last."""
         sim = self.sim
         sim._module.look(sim._state, self._drive[0], sim._param, sim._weights, sim._seen)
-        _fill(sample, sim._state[0], sim._seen[0], self._sign, self._y_sign)
+        _fill(sample, self._measured, sim._state[0], sim._seen[0], self._sign, self._y_sign)
 
     def substep(self, volts: np.ndarray) -> None:
         """One compiled step."""
@@ -103,14 +111,14 @@ _length, _rate, _torque = (numba.njit(f) for f in (units.length_to_si, units.rat
 
 
 @numba.njit(cache=True)
-def _fill(sample, state, seen, sign, y_sign):
+def _fill(sample, measured, state, seen, sign, y_sign):
     """A servo sample from the one-robot kernel's rows (row r of leg i at 4 r + i)."""
     for leg in range(4):
         for axis in range(2):
             joint = 2 * leg + axis
             s, y = sign[leg, axis], y_sign[leg]
-            sample[0, joint] = state[4 * axis + leg] * s
-            sample[1, joint] = _rate(state[4 * (2 + axis) + leg] * s)
+            sample[0, joint] = measured[4 * axis + leg] * s
+            sample[1, joint] = _rate(measured[4 * (2 + axis) + leg] * s)
             sample[2, joint] = _length(seen[4 * axis + leg] * y)
             sample[3, joint] = seen[4 * (2 + axis) + leg] * y  # mm/ms equal m/s
             sample[4, joint] = _torque(seen[4 * (6 + axis) + leg] * s)

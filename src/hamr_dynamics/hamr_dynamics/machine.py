@@ -123,7 +123,8 @@ def step_stage(machine: Machine) -> Stage:
     stiff, heavy = ([machine.diagonal(x, j) for j in range(n)] for x in (machine.at_rest.stiffness, machine.at_rest.mass))
     bank.push(equations, middle, v, terms.drive, stiff, heavy, time, h)
 
-    left = tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in zip(equations.mass, equations.damping, equations.stiffness, strict=True))
+    matrices = zip(equations.mass, equations.damping, equations.stiffness, strict=True)
+    left = tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in matrices)
     kick = tuple(h * f for f in equations.force)
     increment = times2(inverse2(left), kick) if n == 2 else (kick[0] / left[0],)
     v_new = tuple(x + y for x, y in zip(v, increment, strict=True))

@@ -35,7 +35,6 @@ from .step import (
     step_suspended,
 )
 
-
 STATE = rows(q=2, v=2, a=2, stops=2)
 DRIVE = rows(drive=2)
 TARGET = rows(target=2, kp=2, kd=2)
@@ -281,7 +280,8 @@ def _write_increment(stage: Stage, array: str, increment) -> None:
 def balance_soft(h: float, *, effects: bool = False) -> Stage:
     """First base solve, contact on the left-hand side."""
     pose = (*POSE, *bank_stages.POSE) if effects else POSE
-    stage = Stage("balance_soft", {"pose": pose, "body": BODY, "reach": by_leg(REACH)}, {"soft": by_leg(INCREMENT)})
+    inputs = {"pose": pose, "body": BODY, "reach": by_leg(REACH)}
+    stage = Stage("balance_soft", inputs, {"soft": by_leg(INCREMENT)})
     _write_increment(stage, "soft", _balance(stage, "soft", h))
     return stage
 
@@ -302,7 +302,8 @@ def grounded(plant: Plant, h: float) -> Stage:
 
 def balance_free(h: float, *, effects: bool = False) -> Stage:
     """Second base solve with the ground's forces: the new base, and its increment for each leg."""
-    inputs = {"base": BASE, "pose": (*POSE, *bank_stages.POSE) if effects else POSE, "body": BODY, "reach": by_leg(REACH), "grounded": by_leg(GROUNDED)}
+    pose = (*POSE, *bank_stages.POSE) if effects else POSE
+    inputs = {"base": BASE, "pose": pose, "body": BODY, "reach": by_leg(REACH), "grounded": by_leg(GROUNDED)}
     stage = Stage("balance_free", inputs, {"new_base": BASE, "free": by_leg(INCREMENT)})
     increment = _balance(stage, "free", h)
     flat = stage.reads("pose", "rows", 9)

@@ -9,17 +9,21 @@ import numpy as np
 
 from hamr_description.errors import ConfigError
 from hamr_dynamics.batch import BatchSim
+from hamr_dynamics.effects.effects_file import EffectsFile
 from hamr_sim_residual.residual_plant import SHIPPED, residual_plant
 
 RESIDUAL = "residual"
 
 
-def simulator(backend: str, n: int, *, residual: str | Path = "", dtype: type = np.float32) -> BatchSim:
+def simulator(
+    backend: str, n: int, *, residual: str | Path = "", effects: str | Path | EffectsFile = "", dtype: type = np.float32
+) -> BatchSim:
     """n robots on the ground.
 
     Args:
         backend: full, simple, simple_published or residual.
         residual: model file of the residual backend; empty for the shipped one.
+        effects: effects file, or what was read from one; empty for none.
         dtype: of the kernels; np.float32 is twice as fast.
 
     Raises:
@@ -28,7 +32,7 @@ def simulator(backend: str, n: int, *, residual: str | Path = "", dtype: type = 
     if residual and backend != RESIDUAL:
         raise ConfigError(f"Backend '{backend}' takes no residual model file: leave '{residual}' out, or choose backend '{RESIDUAL}'.")
     plant = residual_plant(residual or SHIPPED) if backend == RESIDUAL else backend
-    return BatchSim(plant, n, environment="ground", dtype=dtype)
+    return BatchSim(plant, n, environment="ground", dtype=dtype, effects=effects)
 
 
 def residual_digest(backend: str, residual: str | Path = "") -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -13,6 +13,8 @@ import yaml
 from tqdm import tqdm
 
 from hamr_description.errors import ConfigError
+from hamr_dynamics.effects.effects_file import EffectsFile
+from hamr_dynamics.effects.effects_file import load as load_effects
 
 from .backend import RESIDUAL, residual_digest, simulator
 from .episodes import Episodes
@@ -22,10 +24,12 @@ from .task import EPISODE_S, TASKS
 
 ENDURANCE_S = 5.0
 Pair = tuple[RollOut, RollOut]  # of an episode, and of ENDURANCE_S
+Place = tuple[str, str]  # backend, and hash of what is added to it
 
 
 def evaluate(
-    policies: Sequence[str | Path], backends: Sequence[str] = ("full",), *, residual: str | Path = "", rollouts: int = 5, seed: int = 0,
+    policies: Sequence[str | Path], backends: Sequence[str] = ("full",), *, residual: str | Path = "",
+    effects: str | Path | EffectsFile = "", trained_with: str | Path | EffectsFile = "", rollouts: int = 5, seed: int = 0,
 ) -> dict:  # fmt: skip
     """Runs policies, one file a training seed, and sums up those of equal task and training.
 
@@ -33,36 +37,52 @@ def evaluate(
         policies: ONNX files.
         backends: to run on, besides the one each was trained on.
         residual: residual model file; empty for the shipped one.
+        effects: effects file, what is added to `backends`; empty for nothing.
+        trained_with: effects file that the policies were trained with, for the runs on their own backend; empty for none.
         rollouts: from different random starts, per policy and direction; the same starts on every backend.
         seed: of the starts.
 
     Returns:
-        rows: [{task, direction, trained_on, run_on, quantity, unit, mean, std, n, reference, by_seed}]. Quantities: speed (BL/s) or
+        rows: [{task, direction, trained_on, run_on, quantity, unit, mean, std, n, reference, by_seed}]; trained_on and run_on end in
+        "+effects" where effects were added. Quantities: speed (BL/s) or
         turning_rate (deg/s), reward (sum over 300 ms), transfer (reward over that on the training backend), upright (s of 5 before a fall).
         mean, std: over all n roll-outs, for transfer over policies. by_seed: mean of each policy.
     """
     opened = [Policy(path) for path in policies]
+    added = {load_effects(file).hash: load_effects(file) for file in (effects, trained_with)}
     for policy in opened:
         _same_residual(policy, residual)
-    jobs = [(policy, on) for policy in opened for on in dict.fromkeys((policy.about["backend"], *backends))]
-    runs = {job: _run(*job, residual, rollouts, seed) for job in tqdm(jobs, desc="evaluate", disable=None)}
-    groups: dict[tuple[str, str, str, str], list[Policy]] = defaultdict(list)
+        _same_effects(policy, load_effects(trained_with))
+    elsewhere = [(backend, load_effects(effects).hash) for backend in backends]
+    jobs = [(policy, on) for policy in opened for on in dict.fromkeys((_home(policy), *elsewhere))]
+    runs = {job: _run(*job, residual, added, rollouts, seed) for job in tqdm(jobs, desc="evaluate", disable=None)}
+    groups: dict[tuple[str, Place, str, Place], list[Policy]] = defaultdict(list)
     for policy, on in jobs:
-        groups[policy.about["task"], policy.about["backend"], policy.about["disturbance"], on].append(policy)
+        groups[policy.about["task"], _home(policy), policy.about["disturbance"], on].append(policy)
     rows: list[dict] = []
     for (task, home, disturbance, on), members in groups.items():
-        trained_on = "+".join(filter(None, (home, disturbance)))
+        trained_on = "+".join(filter(None, (_label(home), disturbance)))
         for sign, direction in TASKS[task].directions.items():
-            about = {"task": task, "direction": direction, "trained_on": trained_on, "run_on": on}
+            about = {"task": task, "direction": direction, "trained_on": trained_on, "run_on": _label(on)}
             here, there = ([runs[member, place][sign] for member in members] for place in (on, home))
             rows += [about | row for row in _rows(task, direction, here, None if on == home else there)]
     return {"rows": rows}
 
 
-def _run(policy: Policy, backend: str, residual: str | Path, rollouts: int, seed: int) -> dict[int, Pair]:
+def _home(policy: Policy) -> Place:
+    return policy.about["backend"], policy.about.get("effects", "")
+
+
+def _label(place: Place) -> str:
+    return "+".join(filter(None, (place[0], place[1] and "effects")))
+
+
+def _run(
+    policy: Policy, on: Place, residual: str | Path, added: Mapping[str, EffectsFile], rollouts: int, seed: int
+) -> dict[int, Pair]:  # fmt: skip
     """Roll-outs by direction."""
-    task = TASKS[policy.about["task"]]
-    sim = simulator(backend, rollouts, residual=residual if backend == RESIDUAL else "", dtype=np.float64)
+    task, (backend, effects) = TASKS[policy.about["task"]], on
+    sim = simulator(backend, rollouts, residual=residual if backend == RESIDUAL else "", effects=added.get(effects, ""), dtype=np.float64)
     runs = {}
     for direction in task.directions:
         episodes = Episodes(task, sim, policy.about["view"], rng=np.random.default_rng(seed))
@@ -93,6 +113,12 @@ def _same_residual(policy: Policy, residual: str | Path) -> None:
     backend, trained = policy.about["backend"], policy.about["residual"]
     if residual_digest(backend, residual) != trained:
         raise ConfigError(f"A policy was trained on another residual model ({trained}): give that model's file, or train the policy anew.")
+
+
+def _same_effects(policy: Policy, given: EffectsFile) -> None:
+    trained = policy.about.get("effects", "")
+    if trained and trained != given.hash:
+        raise ConfigError(f"A policy was trained with effects ({trained}): say with which effects file, by trained_with.")
 
 
 @cache

@@ -36,6 +36,7 @@ class Origin:
     disturbance: str
     seed: int
     steps: int
+    effects: str = ""
 
 
 def export(policy: ActorCriticPolicy, origin: Origin, path: str | Path) -> Path:

@@ -37,13 +37,14 @@ class State:
     def of_batch(cls, sim: BatchSim) -> State:
         """All robots of a BatchSim."""
         quaternion = quaternion_to_ros(sim.quaternion)
+        angles, rates = sim.measured()
         return cls(
             position=length_to_si(sim.position),
             quaternion=quaternion,
             velocity=into_base(quaternion, sim.velocity),  # mm/ms are m/s
             angular_velocity=rate_to_si(sim.angular_velocity),
-            angles=sim.q,
-            rates=rate_to_si(sim.qd),
+            angles=angles,
+            rates=rate_to_si(rates),
         )
 
     @classmethod

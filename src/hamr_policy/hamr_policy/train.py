@@ -11,6 +11,9 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
+from hamr_dynamics.effects.effects_file import EffectsFile
+from hamr_dynamics.effects.effects_file import load as load_effects
+
 from .backend import residual_digest, simulator
 from .checkpoint import Checkpoint
 from .disturbance import disturbance as find_disturbance
@@ -31,6 +34,7 @@ class Settings:
 
     Attributes:
         task, backend: see `task.TASKS` and `backend.simulator`; residual: digest of the residual model, or empty.
+        effects: hash of what was added to the model, or empty.
         disturbance: key of `disturbance.DISTURBANCES`, or empty. view: key of `observation.VIEWS`.
         going: share of episodes that go on from the last one's end, see `vector.HamrVecEnv`.
         log_std: of the actions, at the start. learning_rate: at the start, falls to 0 in a straight line.
@@ -54,10 +58,12 @@ class Settings:
     log_std: float = -1.0
     going: float = 0.9
     hidden: tuple[int, ...] = (64, 64)
+    effects: str = ""
 
 
 def train(
     task: str, backend: str, out: str | Path, *, steps: int = 1_000_000, seed: int = 0, residual: str | Path = "",
+    effects: str | Path | EffectsFile = "",
     disturbance: str = "", view: str = DEFAULT_VIEW, resume: bool = False, **more: float,
 ) -> dict:  # fmt: skip
     """Trains one policy on one core.
@@ -66,7 +72,7 @@ def train(
 
     Args:
         task: walk or turn.
-        backend, residual: see `backend.simulator`.
+        backend, residual, effects: see `backend.simulator`.
         out: folder for policy.onnx, training.json (settings and learning curve), checkpoint.pt and tensorboard/.
         steps: of 4 ms, all robots together; rounded up to whole updates.
         disturbance: "noise" or "randomised", the paper's comparisons on HAMR-simple.
@@ -78,15 +84,17 @@ def train(
         policy (path), steps, reward (mean over the last episodes), seconds, curve [[steps, reward], ...].
 
     Raises:
-        ConfigError: unknown names, or a checkpoint of other settings. ModelError: the residual model does not fit.
+        ConfigError: unknown names, an effects file that does not fit, or a checkpoint of other settings.
+        ModelError: the residual model does not fit.
     """
     digest = residual_digest(backend, residual)
-    settings = Settings(task, backend, digest, disturbance, view, steps, seed, **more)
+    effects = load_effects(effects)
+    settings = Settings(task, backend, digest, disturbance, view, steps, seed, effects=effects.hash, **more)
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(1)
     torch.use_deterministic_algorithms(True)
-    sim = simulator(backend, settings.robots, residual=residual)
+    sim = simulator(backend, settings.robots, residual=residual, effects=effects)
     episodes = Episodes(task_named(task), sim, view, disturbance=find_disturbance(disturbance, sim))
     env = HamrVecEnv(episodes, going=settings.going)
     model = ppo(settings, env)

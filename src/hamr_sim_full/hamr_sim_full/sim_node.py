@@ -15,7 +15,7 @@ from .engines import make_engine
 def make(node: Node, parameters: Parameters, spinner: Spinner, end: End | None = None) -> SimulatorNode:
     """The node with its robot; see SimulatorNode."""
     p = parameters
-    engine = make_engine(engine=p.engine, environment=p.environment, friction=p.friction, seed=p.seed)
+    engine = make_engine(engine=p.engine, environment=p.environment, friction=p.friction, effects=p.effects, seed=p.seed)
     return SimulatorNode(node, p, spinner, engine, end)
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from hamr_description.errors import ConfigError
+from hamr_dynamics.effects.effects_file import EffectsFile, refuse
 from hamr_dynamics.engine import Engine, KernelEngine
 
 BACKENDS = ("simple", "simple_published", "residual")
@@ -15,6 +18,7 @@ def make_engine(
     environment: str = "ground",
     friction: float | None = None,
     residual: str = "",
+    effects: str | Path | EffectsFile = "",
     seed: int = 0,
 ) -> Engine:
     """HAMR-simple, the published lumped fit, or HAMR-simple with a residual network.
@@ -22,7 +26,7 @@ def make_engine(
     Args:
         backend: one of BACKENDS; empty means residual if a model file is given, else simple.
         engine: "kernel", or "mujoco" (without network only).
-        environment, friction, seed: as `hamr_sim_full.engines.make_engine`.
+        environment, friction, effects, seed: as `hamr_sim_full.engines.make_engine`.
         residual: residual model file.
     """
     backend = backend or ("residual" if residual else "simple")
@@ -31,8 +35,9 @@ def make_engine(
     if (backend == "residual") != bool(residual):
         raise ConfigError(f"Backend '{backend}' does not fit residual model '{residual}': residual needs a model file, the others none.")
     if engine == "kernel":
-        robot: Engine = KernelEngine(_plant(backend, residual), environment=environment, friction=friction)
+        robot: Engine = KernelEngine(_plant(backend, residual), environment=environment, friction=friction, effects=effects)
     elif engine == "mujoco" and backend != "residual":
+        refuse(effects, engine)
         robot = _mujoco(backend, environment, friction)
     else:
         raise ConfigError(f"Engine '{engine}' cannot run backend '{backend}': use the kernel, or MuJoCo without a network.")

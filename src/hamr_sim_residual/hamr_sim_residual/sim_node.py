@@ -27,8 +27,9 @@ def make(node: Node, parameters: Parameters, spinner: Spinner, end: End | None =
     """The node with its robot; see SimulatorNode."""
     p = parameters
     engine = make_engine(
-        backend=p.backend, engine=p.engine, environment=p.environment, friction=p.friction, residual=p.residual, seed=p.seed
-    )
+        backend=p.backend, engine=p.engine, environment=p.environment, friction=p.friction, residual=p.residual, effects=p.effects,
+        seed=p.seed,
+    )  # fmt: skip
     return SimulatorNode(node, p, spinner, engine, end)
 
 

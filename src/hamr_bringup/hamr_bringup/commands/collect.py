@@ -4,6 +4,7 @@ Examples:
   hamr collect --backend full --out out/noise
   hamr collect --backend full --out out/noise --seconds 3 --seed 1 --band-hz 100 --std-volt 40 --direct
   hamr collect --backend full --out out/measured --as-measured
+  hamr collect --backend simple --effects effects.yaml --out out/friction
   hamr collect --backend full --out out/trot --kind trot --frequency-hz 30 --amplitude-volt 50
 """
 
@@ -23,6 +24,8 @@ class Command:
     """full, residual, simple or simple_published."""
     residual: str = ""
     """Residual model file, for the residual backend; the shipped one if not given."""
+    effects: str = ""
+    """Effects file: what is added to the model (docs/effects.md)."""
     kind: str = "noise"
     """noise, trot, pronk, triangle, steps, or mix: all of them one after the other."""
     seconds: float | None = None
@@ -67,6 +70,7 @@ class Command:
                 backend=self.backend,
                 environment="suspended",
                 residual=self.residual or (str(RESIDUAL) if self.backend == "residual" else ""),
+                effects=self.effects,
                 excitation=signal.parameters,
                 bag=str(bag),
                 seconds=signal.parameters["seconds"],

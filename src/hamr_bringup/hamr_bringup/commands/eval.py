@@ -3,6 +3,7 @@
 Examples:
   hamr eval policy out/walk/policy.onnx
   hamr eval policy out/seed_*/policy.onnx --backend full simple --json
+  hamr eval policy out/walk/policy.onnx --backend simple --effects effects.yaml
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ class Policy:
     """To run on, besides the one it was trained on: full, residual, simple, simple_published."""
     residual: str = ""
     """Residual model file; the shipped one if not given."""
+    effects: str = ""
+    """Effects file: what is added to the backends of --backend (docs/effects.md)."""
+    trained_with: str = ""
+    """Effects file that the policies were trained with, for the runs on their own backend."""
     rollouts: int = 5
     """From different random starts, per policy and direction."""
     seed: int = 0
@@ -35,7 +40,8 @@ class Policy:
         from hamr_policy.evaluate import evaluate
 
         policies = [self.policy, *self.more]
-        return evaluate(policies, self.backend, residual=self.residual, rollouts=self.rollouts, seed=self.seed)
+        return evaluate(policies, self.backend, residual=self.residual, effects=self.effects, trained_with=self.trained_with,
+                        rollouts=self.rollouts, seed=self.seed)  # fmt: skip
 
 
 Command = {"policy": Policy}

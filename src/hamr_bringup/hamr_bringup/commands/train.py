@@ -53,6 +53,8 @@ class Policy:
     """Folder for all that training leaves."""
     residual: str = ""
     """Residual model file, for the residual backend; the shipped one if not given."""
+    effects: str = ""
+    """Effects file: what is added to the model (docs/effects.md)."""
     steps: int = 1_000_000
     """Of 4 ms, all robots together."""
     seed: int = 0
@@ -63,7 +65,8 @@ class Policy:
     def run(self) -> dict:
         from hamr_policy.train import train
 
-        return train(self.task, self.backend, self.out, steps=self.steps, seed=self.seed, residual=self.residual, resume=self.resume)
+        return train(self.task, self.backend, self.out, steps=self.steps, seed=self.seed, residual=self.residual, effects=self.effects,
+                     resume=self.resume)  # fmt: skip
 
 
 Command = {"residual": Residual, "policy": Policy}

@@ -4,6 +4,7 @@ Examples:
   hamr up --backend full --seconds 5
   hamr up --backend residual --policy walk.onnx --command forward --bag out/walk --seconds 5
   hamr up --backend simple --engine mujoco --real-time-factor 0
+  hamr up --backend simple --effects effects.yaml --seconds 5
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ class Command:
     """Coefficient of the ground; the project's if not given."""
     residual: str = ""
     """Residual model file, for the residual backend; the shipped one if not given."""
+    effects: str = ""
+    """Effects file: what is added to the model (docs/effects.md)."""
     policy: str = ""
     """Policy files, with commas; none: targets come from whoever publishes /leg_targets."""
     command: str = ""

@@ -27,6 +27,7 @@ class SimulatorParameters(BusParameters):
     engine: str = parameter("kernel", "kernel or mujoco")
     environment: str = parameter("ground", "ground or suspended")
     friction: float = parameter(_FRICTION.value, "friction coefficient of the ground")
+    effects: str = parameter("", "effects file: what is added to the model; empty for nothing")
     seed: int = parameter(0, "seed of every reset")
     real_time_factor: float = parameter(1.0, "sim time over wall time; 0 for as fast as possible", live=True)
     duration: float = parameter(0.0, "s of sim time after which the node ends; 0 for never")

@@ -17,7 +17,7 @@ EFFECT = Effect(
     part="body",
     summary="Drag of the chassis that grows with the square of its speed.",
     forms=(Form("quadratic", "tow", quadratic, (
-        Parameter("coefficient", "N*T^2/L^2", 1e-5, 0.0, 1e-2, "force over squared speed; half the density times area and drag coefficient"),
+        Parameter("coefficient", "N*T^2/L^2", 1e-5, 0.0, 1e-2, "force over squared speed; half density times area times drag coefficient"),
     )),),
     experiment="the fastest gait, or a jump",
     source="drag of a body at high Reynolds number; hamr_facts 7, effect 27",

@@ -68,7 +68,8 @@ class PlacedEffect:
         """As in the file."""
         units = {p.name: si_unit(p.dimension) for p in self.law.parameters}
         parameters = {name: {"value": x, "unit": units[name]} for name, x in self.parameters.items()}
-        return {"effect": self.effect, "form": self.form, **({"joints": list(self.joints)} if self.joints else {}), "parameters": parameters}
+        joints = {"joints": list(self.joints)} if self.joints else {}
+        return {"effect": self.effect, "form": self.form, **joints, "parameters": parameters}
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,11 @@ class EffectsFile:
     def __bool__(self) -> bool:
         return bool(self.effects or self.changes)
 
+    @property
+    def entries(self) -> list[dict]:
+        """All effects and changes, each as in the file."""
+        return [entry.as_dict() for entry in (*self.effects, *self.changes)]
+
     def as_dict(self) -> dict:
         """As in the file."""
         parts = {"effects": [e.as_dict() for e in self.effects], "changes": [c.as_dict() for c in self.changes]}
@@ -127,7 +133,7 @@ def write(effects: EffectsFile, path: str | Path) -> None:
 def read(path: str | Path) -> EffectsFile:
     """Reads a file; ConfigError says in one sentence which file, what is wrong and what to do."""
     try:
-        return parse(yaml.load(Path(path).read_text(), _Strict))  # noqa: S506 - a safe loader
+        return parse(yaml.load(Path(path).read_text(), _Strict))
     except ConfigError as error:
         raise ConfigError(f"Effects file '{path}': {error}") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -142,6 +148,12 @@ def load(effects: str | Path | EffectsFile | None) -> EffectsFile:
     if isinstance(effects, EffectsFile):
         return effects
     return read(effects) if effects else EffectsFile()
+
+
+def refuse(effects: str | Path | EffectsFile | None, engine: str) -> None:
+    """ConfigError if there are effects: only the kernel engine takes them."""
+    if load(effects):
+        raise ConfigError(f"Engine '{engine}' takes no effects: effects need the kernel engine.")
 
 
 def parse(content: object) -> EffectsFile:

@@ -10,7 +10,7 @@ import numpy as np
 from hamr_description.errors import ConfigError
 from hamr_description.names import AXES, LEGS
 
-from ..bank_stages import CHASSIS_BANK, LEG_BANK, USUAL
+from ..bank_stages import LEG_BANK, USUAL
 from ..machine import leg_machine
 from .bank import CHANGES
 from .effects_file import EffectsFile, PlacedEffect
