@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 from tqdm import tqdm
 
 from hamr_bags.excitation import excitation
@@ -18,6 +19,7 @@ from hamr_description.errors import ConfigError
 from hamr_dynamics.plant import Plant
 from hamr_policy.evaluate import evaluate, references
 from hamr_sim_residual import evaluate as against_truth
+from hamr_sim_residual import model_file
 from hamr_sim_residual.residual_plant import residual_plant
 from hamr_sim_residual.train import train
 
@@ -70,7 +72,8 @@ def data(out: Path | None) -> Iterator[dict]:
         train([recording], model)
         seconds = len(recording) / recording.sample_hz
         yield _row("data that the residual is learned from", seconds, "s", f"{SECONDS:g}", seconds <= SECONDS)
-        note = "equal to the shipped one to the bit" if model.read_bytes() == RESIDUAL.read_bytes() else "not to the bit the shipped one"
+        anew, shipped = (model_file.load(path).network.values for path in (model, RESIDUAL))
+        note = f"weights {'equal' if np.array_equal(anew, shipped) else 'do not equal'} the shipped ones to the bit"
         for row in _gains({"learned anew": residual_plant(model)}, {"noise": _noise()}):
             yield _gain_row(row) | {"note": note}
 
