@@ -16,9 +16,9 @@ from hamr_description.rates import SUBSTEPS
 from . import kernels, stages
 from .effects.effects_file import EffectsFile
 from .effects.effects_file import load as load_effects
-from .effects.setup import neutral_leg, set_effects
 from .plant import Plant, flatten, with_effects
 from .plant import plant as find_plant
+from .set_effects import neutral_leg, set_effects
 
 BLOCK = {"float64": 16, "float32": 32}  # robots whose lanes fill vectors and whose rows still fit the cache
 ENVIRONMENTS = ("ground", "suspended")

@@ -10,16 +10,16 @@ import numpy as np
 from hamr_description.errors import ConfigError
 from hamr_description.names import AXES, LEGS
 
-from ..bank_stages import LEG_BANK, USUAL
-from ..machine import leg_machine
-from .bank import CHANGES
-from .effects_file import EffectsFile, PlacedEffect
-from .law import Chassis, Foot
-from .si import si_factor
+from .bank_stages import LEG_BANK, USUAL
+from .effects.bank import CHANGES
+from .effects.effects_file import EffectsFile, PlacedEffect
+from .effects.law import Chassis, Foot
+from .effects.si import si_factor
+from .machine import leg_machine
 
 if TYPE_CHECKING:
-    from ..batch import BatchSim
-    from ..plant import Plant
+    from .batch import BatchSim
+    from .plant import Plant
 
 _FOOT = ("friction", "contact_stiffness", "contact_damping")
 
