@@ -14,7 +14,7 @@ from hamr_dynamics.trace import Var
 
 OPERATIONS = {
     "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "sqrt": np.sqrt,
-    "max": np.maximum, "min": np.minimum, "positive": lambda a: np.where(a > 0, 1.0, 0.0),
+    "max": np.maximum, "min": np.minimum, "positive": lambda a: np.where(a > 0, 1.0, 0.0), "floor": np.floor,
 }  # fmt: skip
 
 
