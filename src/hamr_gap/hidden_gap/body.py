@@ -6,25 +6,25 @@ import math
 
 from hamr_description.simple_constants import simple_constants
 
-from .laws import ARMATURE, BOTH, EACH, GAIN, TAU, TIP, Q, U, V, law
+from .laws import ANY, ARMATURE, BOTH, EACH, GAIN, TAU, TIP, Q, U, V, law
 from .machine import actuator_stiffness
 
 
 def _lever(parameters, dt):
-    return parameters["angle"] * math.copysign(1.0, parameters["side"]), *actuator_stiffness(), *simple_constants()["front"]["tip_per_angle"]
+    bend = parameters.get("angle", parameters.get("bend"))
+    return math.copysign(bend, parameters["side"]), *actuator_stiffness(), *simple_constants()["front"]["tip_per_angle"]
 
 
-@law("configuration_dependent_transmission", size="angle", prepare=_lever, places=(*EACH, BOTH), angle=(0.02, 1.0), side=(-1.0, 1.0))
+@law("configuration_dependent_transmission", size="angle", prepare=_lever, places=ANY, angle=(0.02, 1.0), side=(-1.0, 1.0))
 def crank(i, t, dt, w, p, s):
-    """A crank that stands off its best angle at rest: tip = ratio (sin(q + b) - sin b) / cos b; drive and bimorph's spring through it."""
+    """A crank off its best angle at rest: tip = ratio (sin(q + b) - sin b) / cos b; the drive and the bimorph's spring go through it."""
     q, scale = w[Q + i], 1.0 / math.cos(p[0])
     travel, lever = (math.sin(q + p[0]) - math.sin(p[0])) * scale, math.cos(q + p[0]) * scale
     w[TAU + i] += w[GAIN + i] * w[U + i] * (lever - 1.0) - p[1 + i] * (travel * lever - q)
     w[TIP + i] = p[3 + i] * travel
 
 
-@law("configuration_dependent_transmission", size="bend", prepare=lambda p, dt: (p["bend"] * math.copysign(1.0, p["side"]), *actuator_stiffness(),
-     *simple_constants()["front"]["tip_per_angle"]), places=(*EACH, BOTH), bend=(0.02, 1.2), side=(-1.0, 1.0))  # fmt: skip
+@law("configuration_dependent_transmission", size="bend", prepare=_lever, places=ANY, bend=(0.02, 1.2), side=(-1.0, 1.0))  # fmt: skip
 def cam(i, t, dt, w, p, s):
     """An exponential cam: tip = ratio (exp(b q) - 1) / b."""
     q = w[Q + i]
@@ -36,14 +36,16 @@ def cam(i, t, dt, w, p, s):
 
 @law("configuration_dependent_inertia", size="mass", places=EACH, mass=(0.01, 2.5), throw=(0.4, 1.5), phase=(-0.8, 0.8))
 def sliding_mass(i, t, dt, w, p, s):
-    """A mass whose radius follows the joint's own angle: J = mass (1 + throw sin(q + phase))^2, kinetic energy's torques with it."""
+    """A mass whose radius follows the joint's own angle: J = mass (1 + throw sin(q + phase))^2, with its centrifugal torque."""
     x = w[Q + i] + p[2]
     radius, slope = 1.0 + p[1] * math.sin(x), p[1] * math.cos(x)
     w[ARMATURE + i] += p[0] * radius * radius
     w[TAU + i] -= p[0] * radius * slope * w[V + i] * w[V + i]
 
 
-@law("configuration_dependent_inertia", size="mass", places=(BOTH,), mass=(0.01, 2.5), throw=(0.5, 2.0), phase=(-0.8, 0.8), host=(-1.0, 1.0))
+@law(
+    "configuration_dependent_inertia", size="mass", places=(BOTH,), mass=(0.01, 2.5), throw=(0.5, 2.0), phase=(-0.8, 0.8), host=(-1.0, 1.0)
+)
 def pirouette(i, t, dt, w, p, s):
     """A mass that turns with one joint at a radius set by the other (host > 0: it turns with swing)."""
     turning = 0 if p[3] > 0.0 else 1
@@ -56,14 +58,30 @@ def pirouette(i, t, dt, w, p, s):
         w[TAU + i] += p[0] * radius * slope * w[V + turning] * w[V + turning]
 
 
-@law("configuration_dependent_stiffness", size="depth", places=EACH, depth=(2e-3, 3.0), centre=(0.08, 0.35), width=(0.08, 0.3), side=(-1.0, 1.0))
+@law(
+    "configuration_dependent_stiffness",
+    size="depth",
+    places=EACH,
+    depth=(2e-3, 3.0),
+    centre=(0.08, 0.35),
+    width=(0.08, 0.3),
+    side=(-1.0, 1.0),
+)
 def valley(i, t, dt, w, p, s):
-    """The potential depth width log cosh((q - centre) / width): stiff near the centre, constant force far from it; its force at rest apart."""
+    """The potential depth width log cosh((q - centre) / width), a spring near the centre, a constant force far off; none at rest."""
     centre = math.copysign(p[1], p[3])
     w[TAU + i] -= p[0] * (math.tanh((w[Q + i] - centre) / p[2]) + math.tanh(centre / p[2]))
 
 
-@law("configuration_dependent_stiffness", size="depth", places=(BOTH,), depth=(2e-3, 3.0), mix=(0.4, 1.2), centre=(-0.2, 0.2), width=(0.1, 0.35))
+@law(
+    "configuration_dependent_stiffness",
+    size="depth",
+    places=(BOTH,),
+    depth=(2e-3, 3.0),
+    mix=(0.4, 1.2),
+    centre=(-0.2, 0.2),
+    width=(0.1, 0.35),
+)
 def slanted_valley(i, t, dt, w, p, s):
     """The same across both angles: the potential is a function of cos(mix) swing + sin(mix) lift."""
     along, across = math.cos(p[1]), math.sin(p[1])

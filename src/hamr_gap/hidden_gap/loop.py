@@ -53,8 +53,8 @@ def _call_law(context, address, i, t, dt, w, p, s):
 
 
 @njit(cache=True, nogil=True)
-def run(step, model, data, qpos, qvel, ctrl, applied, bias, armature, dofs, rotors, stops, mass, ratio, gain, preload, neutral, commands, parts, dt,
-        addresses, joints, first_p, first_s, p, s, w, angles, tips):  # fmt: skip
+def run(step, model, data, qpos, qvel, ctrl, applied, bias, armature, dofs, rotors, stops, mass, ratio, gain, preload, neutral, commands,
+        parts, dt, addresses, joints, first_p, first_s, p, s, w, angles, tips):  # fmt: skip
     """Fill angles (n, 2) rad and tips (n, 2) mm at the start of each of n commands (n, 2) V, each held for `parts` steps of dt.
 
     MuJoCo's Euler step moves positions with the new rate, so that they stand half a step ahead of it: forces get the rate that

@@ -142,7 +142,8 @@ def _add_rotor(spec: mujoco.MjSpec, i: int) -> None:
     inertia, stiffness, damping = ROTOR_INERTIA * rest_mass()[i, i], actuator_stiffness()[i], ROTOR_DAMPING * hinge.damping[0]
     body = spec.worldbody.add_body(name=_rotor(joint), mass=inertia, inertia=[inertia] * 3, explicitinertial=True)
     direction = _DIRECTION[AXES[i]]
-    body.add_joint(name=_rotor(joint), type=mujoco.mjtJoint.mjJNT_HINGE, axis=direction, stiffness=[stiffness, 0, 0], damping=[damping, 0, 0])
-    hinge.stiffness = hinge.stiffness - np.array([stiffness, 0, 0])
-    hinge.damping = hinge.damping - np.array([damping, 0, 0])
+    spring = {"stiffness": [stiffness, 0, 0], "damping": [damping, 0, 0]}
+    body.add_joint(name=_rotor(joint), type=mujoco.mjtJoint.mjJNT_HINGE, axis=direction, **spring)
+    hinge.stiffness = hinge.stiffness - np.array(spring["stiffness"])
+    hinge.damping = hinge.damping - np.array(spring["damping"])
     spec.actuator(f"{joint}_actuator").target = _rotor(joint)

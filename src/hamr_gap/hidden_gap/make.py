@@ -13,8 +13,8 @@ from .bag import write
 from .draw import GROUPS, draw
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Exit status 0, or 1 after one sentence on standard error."""
+def main(arguments: list[str] | None = None) -> str | None:
+    """What went wrong in one sentence, for `sys.exit`; None if all went well."""
     parser = argparse.ArgumentParser(prog="python -m hidden_gap.make", description="Make a bag of a leg that hides an effect.")
     parser.add_argument("--group", choices=GROUPS, required=True)
     parser.add_argument("--seed", type=int, required=True)
@@ -27,9 +27,8 @@ def main(arguments: list[str] | None = None) -> int:
         answer = write(draw(given.group, given.seed, strength=given.strength, seconds=given.seconds), given.out)
         given.answer.write_text(json.dumps(answer, indent=2) + "\n")
     except (HamrError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+        return str(error)
+    return None
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ import numpy as np
 from .laws import ANY, U, law
 
 PLAYS, SLOW = 8, 9
+#: Times of creep, ms, and their distance in decades.
+TAU, SPACING = np.geomspace(20.0, 2e5, SLOW), 0.5
 
 
 def _plays(parameters, dt):
@@ -17,7 +19,8 @@ def _plays(parameters, dt):
     return parameters["loop"], *radii, *(weights / weights.sum())
 
 
-@law("piezo_hysteresis", size="loop", places=ANY, states=PLAYS, prepare=_plays, loop=(0.005, 0.9), reach=(30.0, 110.0), steepness=(0.3, 3.0))
+@law("piezo_hysteresis", size="loop", places=ANY, states=PLAYS, prepare=_plays, loop=(0.005, 0.9), reach=(30.0, 110.0),
+     steepness=(0.3, 3.0))  # fmt: skip
 def play_sum(i, t, dt, w, p, s):
     """Plays of eight widths take over a share `loop` of the voltage."""
     u, total = w[U + i], 0.0
@@ -40,20 +43,16 @@ def coleman_hodgdon(i, t, dt, w, p, s):
 
 
 def _log_times(parameters, dt):
-    tau = np.geomspace(40.0, 4e4, SLOW)
-    weight = np.full(SLOW, parameters["per_decade"] * 3.0 / SLOW)
-    return *-np.expm1(-dt / tau), *weight
+    return *-np.expm1(-dt / TAU), *np.full(SLOW, parameters["per_decade"] * SPACING)
 
 
 def _power_times(parameters, dt):
-    tau = np.geomspace(40.0, 4e4, SLOW)
-    weight = (tau / 1000.0) ** parameters["exponent"]
-    return *-np.expm1(-dt / tau), *(parameters["per_decade"] * 3.0 * weight / weight.sum())
+    return *-np.expm1(-dt / TAU), *(parameters["per_decade"] * SPACING * (TAU / 1000.0) ** parameters["exponent"])
 
 
 @law("piezo_creep", size="per_decade", places=ANY, states=SLOW, prepare=_log_times, per_decade=(0.002, 0.6))
 def log_creep(i, t, dt, w, p, s):
-    """Three elements per decade of time, equal: a step's answer grows with log t."""
+    """Two elements per decade of time, equal: a step's answer grows with log t."""
     u, more = w[U + i], 0.0
     for k in range(SLOW):
         s[k] += p[k] * (u - s[k])
@@ -63,7 +62,7 @@ def log_creep(i, t, dt, w, p, s):
 
 @law("piezo_creep", size="per_decade", places=ANY, states=SLOW, prepare=_power_times, per_decade=(0.002, 0.6), exponent=(0.1, 0.35))
 def power_creep(i, t, dt, w, p, s):
-    """As log_creep with weights that grow as a power of time."""
+    """As log_creep with weights that grow as a power of time; per_decade is that at 1 s."""
     u, more = w[U + i], 0.0
     for k in range(SLOW):
         s[k] += p[k] * (u - s[k])

@@ -1,29 +1,29 @@
 """How well the leg without an effect explains a run once its parameters are tuned again, in floors of the sensor noise.
 
-Tuned: drive gain, stiffness, damping, inertia and preload of each joint, gain and bias of each channel, one common time shift.
-Sensitivities come from the linear leg, with the run's own angles as input; Gauss-Newton steps with the real one make up for that.
+Tuned: drive gain, stiffness, damping, inertia and preload of each joint, gain and bias of each channel, one common time shift;
+by Gauss-Newton steps with the machine itself, along finite differences taken from rough runs (one step a sample).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
-from scipy.linalg import expm
 
-from hamr_description.numbers import value
-from hamr_description.simple_constants import simple_constants
 from hamr_description.units import length_to_si, time_from_si
 
 from .case import JOINTS, Truth
-from .machine import FACTORS, TIME_SHIFT, rest_mass
-from .simulate import SAMPLE_HZ
+from .machine import TIME_SHIFT, change, neutral
+from .simulate import SAMPLE_HZ, rough
 
-STEP = time_from_si(1.0 / SAMPLE_HZ)
-#: Directions that are this much weaker than the strongest count as none: drive gain against inertia, stiffness and damping together.
-RANK = 1e-5
+PER_MS = SAMPLE_HZ / time_from_si(1.0)
+#: Kinds whose differences need a run, with the step taken; and how far each kind may wander where the data do not hold it.
+STEPS = {"drive_gain": 0.02, "stiffness": 0.02, "damping": 0.05, "inertia": 0.02, "preload": 2e-3}
+LEEWAY = {"inertia": 0.15, "preload": 0.1, "bias": 0.1, "tip_bias": 0.05, TIME_SHIFT: 0.3}
+FACTOR_LEEWAY = 0.3
+#: Longest step, in leeways; where one wants to be longer, directions are taken anew after it.
+LONGEST = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ class Scale:
     tips: bool
 
     def __call__(self, angles: np.ndarray, tips: np.ndarray) -> np.ndarray:
-        """(n, 2 or 4) in floors."""
-        return np.hstack([angles / self.angle, tips / self.tip]) if self.tips else angles / self.angle
+        """(2 n or 4 n,) angles rad and tips m in floors."""
+        return np.hstack([angles / self.angle, tips / self.tip] if self.tips else [angles / self.angle]).ravel()
 
     def run(self, run: Truth) -> np.ndarray:
-        """(n, 2 or 4) channels of a run in floors."""
+        """(2 n or 4 n,) channels of a run in floors."""
         return self(run.angles, run.tips)
 
 
@@ -54,103 +54,83 @@ class Directions:
 
     Attributes:
         names: keys of the changes, "kind.joint".
-        basis: (rows, rank) orthonormal.
-        solve: (len(names), rank) changes per basis coefficient.
+        around: (m,) values that the leeway is about.
+        columns: (rows, m) floors per unit of change.
+        leeway: (m,) standard deviation of what the data do not hold.
+        normal: (m, m) normal matrix, the leeway's pull in it.
     """
 
     names: tuple[str, ...]
-    basis: np.ndarray
-    solve: np.ndarray
+    around: np.ndarray
+    columns: np.ndarray
+    leeway: np.ndarray
+    normal: np.ndarray
 
-    def project(self, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What is left of a residual (n, channels), and the changes that take the rest away."""
-        flat = residual.ravel()
-        share = self.basis.T @ flat
-        return (flat - self.basis @ share).reshape(residual.shape), self.solve @ share
+    def step(self, residual: np.ndarray, at: np.ndarray) -> tuple[float, np.ndarray, bool]:
+        """Rms of what is left of a residual (rows,) after the best step from values `at` (m,); those after it; if it had to be cut."""
+        pull = np.diag(self.leeway**-2.0)
+        slope = self.columns.T @ residual - pull @ (at - self.around)
+        move = np.linalg.solve(self.normal, slope)
+        held = float(np.trace(self.normal * self.leeway**2)) * 1e-9
+        cut = np.abs(move / self.leeway).max() > LONGEST
+        while np.abs(move / self.leeway).max() > LONGEST:
+            held *= 3.0
+            move = np.linalg.solve(self.normal + held * pull, slope)
+        return float(np.sqrt(np.mean((residual - self.columns @ move) ** 2))), at + move, cut
 
 
-def directions(run: Truth, scale: Scale) -> Directions:
-    """Of the parameters named above, about a run of the leg without the effect."""
-    front = simple_constants()["front"]
-    q, u = run.angles, run.volts - value("actuator.neutral_voltage")
-    rate = np.gradient(q, STEP, axis=0)
-    forces = {
-        "drive_gain": np.array(front["torque_per_volt"]) * u,
-        "stiffness": -np.array(front["stiffness"]) * q,
-        "damping": -np.array(front["damping"]) * rate,
-        "inertia": -np.diag(rest_mass()) * np.gradient(rate, STEP, axis=0),
-        "preload": np.ones_like(q),
-    }
-    ratio = length_to_si(np.array(front["tip_per_angle"]))
-    names, columns = [], []
-    for kind, force in forces.items():
-        for i, joint in enumerate(JOINTS):
-            moved = _respond(np.where(np.arange(2) == i, force, 0.0))
-            names.append(f"{kind}.{joint}")
-            columns.append(scale(moved, moved * ratio))
-    one, none = np.ones_like(q), np.zeros_like(q)
-    for kind, on_angle, on_tip in (
-        ("sensor_gain", q, none), ("bias", one, none), ("tip_gain", none, run.tips), ("tip_bias", none, length_to_si(one)),
+def directions(run: Truth, changes: Mapping[str, float], signal: Mapping, scale: Scale) -> Directions:
+    """Of the parameters named above, about `run`, the leg with `changes` under an excitation."""
+
+    def channels(given: Mapping[str, float]) -> np.ndarray:
+        angles, tips = rough(given, signal)
+        return scale(angles * change(given, "sensor_gain"), length_to_si(tips * change(given, "tip_gain")))
+
+    rows, here = {}, channels(changes)
+    for kind, step in STEPS.items():
+        for joint in JOINTS:
+            name = f"{kind}.{joint}"
+            rows[name] = (channels({**changes, name: changes.get(name, neutral(kind)) + step}) - here) / step
+    one, none = np.ones_like(run.angles), np.zeros_like(run.angles)
+    for kind, angle, tip in (
+        ("sensor_gain", run.angles, none), ("bias", one, none), ("tip_gain", none, run.tips), ("tip_bias", none, length_to_si(one)),
     ):  # fmt: skip
         for i, joint in enumerate(JOINTS):
-            pick = np.arange(2) == i
-            names.append(f"{kind}.{joint}")
-            columns.append(scale(np.where(pick, on_angle, 0.0), np.where(pick, on_tip, 0.0)))
-    names.append(TIME_SHIFT)
-    columns.append(scale(-rate, -np.gradient(run.tips, STEP, axis=0)))
-    return _orthogonal(tuple(names), np.stack([column.ravel() for column in columns], axis=1))
+            only = np.arange(len(JOINTS)) == i
+            rows[f"{kind}.{joint}"] = scale(np.where(only, angle, 0.0), np.where(only, tip, 0.0))
+    rows[TIME_SHIFT] = -PER_MS * scale(np.gradient(run.angles, axis=0), np.gradient(run.tips, axis=0))
+    names, kinds = tuple(rows), [name.split(".")[0] for name in rows]
+    columns = np.stack(list(rows.values()), axis=1)
+    start = np.array([changes.get(name, neutral(kind)) for name, kind in zip(names, kinds, strict=True)])
+    leeway = np.array([LEEWAY.get(kind, FACTOR_LEEWAY) for kind in kinds])
+    return Directions(names, start, columns, leeway, columns.T @ columns + np.diag(leeway**-2.0))
 
 
-def retuned_gap(
-    truth: Truth, model: Callable[[Mapping[str, float]], Truth], start: Mapping[str, float], around: Directions, scale: Scale, *, steps: int
-) -> float:
-    """Rms in floors of truth minus the best model(changes), from `start` with at most `steps` further simulations."""
-    changes, left, reached = start, np.inf, np.inf
-    for _ in range(steps + 1):
-        rest, move = around.project(scale.run(truth) - scale.run(model(changes)))
-        before, left = left, float(np.sqrt(np.mean(rest**2)))
-        reached = min(reached, left)
-        if abs(left - before) < 0.01 * left:
-            break
-        changes = _moved(changes, dict(zip(around.names, move.tolist(), strict=True)))
-    return reached
+class Retune:
+    """Tunes the plain leg, or one with other effects, to a run; made for one case's changes and excitation."""
 
+    def __init__(self, changes: Mapping[str, float], signal: Mapping, scale: Scale, plain: Truth) -> None:
+        self._signal, self._scale = signal, scale
+        self._start = directions(plain, changes, signal, scale)
 
-def _moved(changes: Mapping[str, float], by: Mapping[str, float]) -> dict[str, float]:
-    """Factors take at most a third at a time, and never turn negative."""
-    moved = dict(changes)
-    for name, step in by.items():
-        if name.split(".")[0] in FACTORS:
-            moved[name] = moved.get(name, 1.0) * (1.0 + float(np.clip(step, -0.33, 0.33)))
-        else:
-            moved[name] = moved.get(name, 0.0) + step
-    return moved
+    @property
+    def start(self) -> dict[str, float]:
+        """The changes it begins with, all kinds named."""
+        return self._named(self._start.around)
 
+    def gap(self, truth: Truth, model: Callable[[Mapping[str, float]], Truth], *, steps: int) -> float:
+        """Rms in floors of truth minus the best model(changes), linear about the best of at most `steps` Gauss-Newton steps."""
+        goal, around, reached = self._scale.run(truth), self._start, np.inf
+        at, cut = around.around, False
+        for _ in range(steps + 1):
+            run = model(self._named(at))
+            if cut:
+                around = replace(directions(run, self._named(at), self._signal, self._scale), around=self._start.around)
+            left, at, cut = around.step(goal - self._scale.run(run), at)
+            improved, reached = reached - left, min(reached, left)
+            if improved < 0.01 * left and not cut:
+                break
+        return reached
 
-def _orthogonal(names: tuple[str, ...], columns: np.ndarray) -> Directions:
-    size = np.linalg.norm(columns, axis=0)
-    size[size == 0.0] = 1.0
-    columns /= size
-    values, vectors = np.linalg.eigh(columns.T @ columns)
-    kept = values > RANK**2 * values[-1]
-    turn = vectors[:, kept] / np.sqrt(values[kept])
-    return Directions(names, columns @ turn, turn / size[:, None])
-
-
-def _respond(force: np.ndarray) -> np.ndarray:
-    """Answer (n, 2) rad of the linear leg to torques (n, 2) N mm, straight between samples."""
-    front, mass = simple_constants()["front"], np.linalg.inv(rest_mass())
-    a = np.block([[np.zeros((2, 2)), np.eye(2)], [-mass @ np.diag(front["stiffness"]), -mass @ np.diag(front["damping"])]])
-    whole = np.zeros((8, 8))
-    whole[:4, :4], whole[2:4, 4:6], whole[4:6, 6:] = a * STEP, mass * STEP, np.eye(2)
-    e = expm(whole)
-    return _march(*map(np.ascontiguousarray, (e[:4, :4], e[:4, 4:6] - e[:4, 6:], e[:4, 6:])), force)
-
-
-@njit(cache=True)
-def _march(a, now, then, force):
-    out, x = np.zeros(force.shape), np.zeros(4)
-    for k in range(len(force) - 1):
-        x = a @ x + now @ force[k] + then @ force[k + 1]
-        out[k + 1] = x[:2]
-    return out
+    def _named(self, values: np.ndarray) -> dict[str, float]:
+        return dict(zip(self._start.names, values.tolist(), strict=True))

@@ -30,7 +30,7 @@ def low_pass(angle, tau):
     """First order, exact for an angle that is linear between samples."""
     keep = np.exp(-SERVO_MS / tau)
     mean = (1.0 - keep) * tau / SERVO_MS
-    out, _ = lfilter([1.0 - mean, mean - keep], [1.0, -keep], angle, zi=[keep * angle[0] - (1.0 - mean) * angle[0] + angle[0] * (1.0 - keep)])
+    out, _ = lfilter([1.0 - mean, mean - keep], [1.0, -keep], angle, zi=[mean * angle[0]])
     return out
 
 

@@ -51,6 +51,12 @@ def play(effects: Sequence[Effect], changes: Mapping[str, float], signal: Mappin
     return Truth(np.arange(len(volts))[kept] / SERVO_HZ, volts[kept], angles[kept], length_to_si(tips[kept]))
 
 
+def rough(changes: Mapping[str, float], signal: Mapping) -> tuple[np.ndarray, np.ndarray]:
+    """Hip angles (n, 2) rad and tips (n, 2) mm of the leg without effects at 4 kHz, one step a sample; sensors' changes apart."""
+    volts = commands(**signal)
+    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), EVERY * SERVO_MS, EVERY * SERVO_MS)
+
+
 @lru_cache(maxsize=4)
 def _commands(signal: tuple) -> np.ndarray:
     columns = [names.JOINTS.index(joint) for joint in JOINTS]
@@ -62,14 +68,18 @@ def commands(**signal) -> np.ndarray:
     return _commands(tuple(sorted(signal.items())))
 
 
-def _integrate(effects: Sequence[Effect], changes: Mapping[str, float], volts: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Angles (n, 2) rad and tips (n, 2) mm at 20 kHz."""
-    series = {JOINTS.index(joint) for e in effects if LAWS[e.law].machine == "series" for joint in e.joints}
-    coupling = sum(np.copysign(e.parameters[LAWS[e.law].size], e.parameters["sense"]) for e in effects if LAWS[e.law].machine == "coupled")
-    leg = machine(changes, step=step, series=tuple(sorted(series)), coupling=float(coupling))
+def _integrate(
+    effects: Sequence[Effect], changes: Mapping[str, float], volts: np.ndarray, step: float, hold: float = SERVO_MS
+) -> tuple[np.ndarray, np.ndarray]:
+    """Angles (n, 2) rad and tips (n, 2) mm at the start of each of n voltages, held for `hold` ms each."""
+    series = {JOINTS.index(joint) for effect in effects if LAWS[effect.law].machine == "series" for joint in effect.joints}
+    flywheels = [effect.parameters for effect in effects if LAWS[effect.law].machine == "coupled"]
+    coupling = sum(float(np.copysign(parameters["inertia"], parameters["sense"])) for parameters in flywheels)
+    leg = machine(changes, step=step, series=tuple(sorted(series)), coupling=coupling)
     addresses, joints, first_p, first_s, p, states = [], [], [], [], [], 0
-    inside = [effect for effect in effects if not (LAWS[effect.law].sensor or LAWS[effect.law].machine == "coupled")]
-    for effect in sorted(inside, key=lambda effect: list(LAWS).index(effect.law)):  # as registered: from the drive to the leg
+    for effect in sorted(effects, key=lambda effect: list(LAWS).index(effect.law)):  # as registered: from the drive to the leg
+        if LAWS[effect.law].sensor or LAWS[effect.law].machine == "coupled":
+            continue
         law = LAWS[effect.law]
         for joint in effect.joints:
             addresses.append(address(effect.law))
@@ -79,11 +89,13 @@ def _integrate(effects: Sequence[Effect], changes: Mapping[str, float], volts: n
             states += law.count(effect.parameters, step)
         p.extend(law.numbers(effect.parameters, step))
     data, angles, tips = leg.data, np.empty(volts.shape), np.empty(volts.shape)
-    integers = (np.array(list_, np.int64) for list_ in (addresses, joints, first_p, first_s))
+    mass = 1.0 / np.diag(np.linalg.inv(rest_mass()))
     run(
-        step_address(), leg.model._address, data._address, data.qpos, data.qvel, data.ctrl, data.qfrc_applied, data.qfrc_bias, leg.model.dof_armature,
-        leg.dofs, leg.rotors, leg.stops, 1.0 / np.diag(np.linalg.inv(rest_mass())), leg.ratio, leg.gain, change(changes, "preload"), value("actuator.neutral_voltage"),
-        volts, round(SERVO_MS / step), step, *integers, np.array([*p, 0.0]), np.zeros(states + 1), np.zeros(SIZE), angles, tips,
+        step_address(), leg.model._address, data._address,
+        data.qpos, data.qvel, data.ctrl, data.qfrc_applied, data.qfrc_bias, leg.model.dof_armature, leg.dofs, leg.rotors, leg.stops, mass,
+        leg.ratio, leg.gain, change(changes, "preload"), value("actuator.neutral_voltage"), volts, round(hold / step), step,
+        *(np.array(numbers, np.int64) for numbers in (addresses, joints, first_p, first_s)),
+        np.array([*p, 0.0]), np.zeros(states + 1), np.zeros(SIZE), angles, tips,
     )  # fmt: skip
     return angles, tips
 

@@ -12,12 +12,13 @@ from hamr_description.errors import ModelError
 from .case import Case, Effect, Truth
 from .laws import LAWS
 from .noise import floors
-from .retune import Directions, Scale, directions, retuned_gap
+from .retune import Retune, Scale
 from .simulate import play
 
 #: Steps of the search and of what has no stiff law, ms; how near the strength is good enough in the search and at the end.
 COARSE, FINE, NEAR, CLOSE = 0.05, 0.025, 0.03, 0.05
-TRIALS = 8
+TRIALS, FINAL_STEPS = 12, 4
+NOTHING = -3.0  # log of a share of the strength below which a law does not act at all: secants tell nothing
 
 
 def scale_of(case: Case) -> Scale:
@@ -31,9 +32,11 @@ class Sizer:
     def __init__(self, case: Case) -> None:
         self._case, self._scale = case, scale_of(case)
         self._plain = cache(partial(play, (), case.changes, case.excitation))
-        self._around: Directions = directions(self._plain(step=COARSE), self._scale)
+        self._retune = Retune(case.changes, case.excitation, self._scale, self._plain(step=COARSE))
 
-    def strength(self, effects: tuple[Effect, ...], *, of: tuple[Effect, ...] | None = None, step: float = FINE, steps: int = 2) -> float:
+    def strength(
+        self, effects: tuple[Effect, ...], *, of: tuple[Effect, ...] | None = None, step: float = FINE, steps: int = FINAL_STEPS
+    ) -> float:
         """Rms, in floors, of the run with `effects` minus the best re-tuned run without `of` (default all of them).
 
         `step` is the run's, ms; `steps` Gauss-Newton steps at most.
@@ -42,11 +45,11 @@ class Sizer:
         truth = play(effects, self._case.changes, self._case.excitation, step=step)
 
         def model(changes: Mapping[str, float]) -> Truth:
-            if not others and changes is self._case.changes:
+            if not others and changes == self._retune.start:
                 return self._plain(step=max(step, FINE))
             return play(others, changes, self._case.excitation, step=max(step, FINE) if not others else step)
 
-        return retuned_gap(truth, model, self._case.changes, self._around, self._scale, steps=steps)
+        return self._retune.gap(truth, model, steps=steps)
 
     def sized(self, effect: Effect) -> tuple[Effect, float] | None:
         """The effect scaled to the case's strength, and what it reached; None if its bounds, or a diverging run, forbid that."""
@@ -54,8 +57,8 @@ class Sizer:
         low, high = map(math.log, law.ranges[law.size])
         start = math.log(effect.parameters[law.size])
         try:
-            rough = self._search(partial(self._miss, effect, law.step if law.machine else COARSE, 0), low, high, start, NEAR)
-            final = rough and self._search(partial(self._miss, effect, law.step, 2), low, high, rough[0], CLOSE)
+            rough = self._search(partial(self._miss, effect, law.step if law.machine else COARSE, 1), low, high, start, NEAR)
+            final = rough and self._search(partial(self._miss, effect, law.step, FINAL_STEPS), low, high, rough[0], CLOSE)
         except ModelError:
             return None
         return (_of_size(effect, final[0]), math.exp(final[1]) * self._case.strength) if final else None
@@ -79,7 +82,7 @@ class Sizer:
             slope = min(max(slope, 0.4), 6.0)
             below, above, last = (max(below, (x, y)), above, (x, y)) if y < 0.0 else (below, min(above, (x, y)), (x, y))
             x = min(max(x - max(min(y, 3.5), -3.5) / slope, low), high)
-            if not below[0] < x < above[0] and math.isfinite(below[1]) and math.isfinite(above[1]):
+            if math.isfinite(below[1]) and math.isfinite(above[1]) and (below[1] < NOTHING or not below[0] < x < above[0]):
                 x = 0.5 * (below[0] + above[0])
         return None
 

@@ -87,7 +87,8 @@ def standard_solid(i, t, dt, w, p, s):
     w[TAU + i] -= p[0] * (w[Q + i] - s[0])
 
 
-@law("viscoelasticity", size="stiffness", places=ANY, states=2, stiffness=(2e-3, 0.8), fast=(1.0, 10.0), slow=(50.0, 1000.0), share=(0.3, 0.8))
+@law("viscoelasticity", size="stiffness", places=ANY, states=2, stiffness=(2e-3, 0.8), fast=(1.0, 10.0), slow=(50.0, 1000.0),
+     share=(0.3, 0.8))  # fmt: skip
 def two_times(i, t, dt, w, p, s):
     """Two Maxwell elements, a fast and a slow one."""
     for k in range(2):
@@ -102,7 +103,8 @@ def hertz_play(i, t, dt, w, p, s):
     side = math.copysign(1.0, x)
     depth = side * x - 0.5 * p[0]
     if depth > 0.0:
-        push = side * max(0.0, p[1] * depth**1.5 * (1.0 + p[2] * side * rate) + 0.2 * math.sqrt(p[1] * ROTOR * math.sqrt(depth)) * side * rate)
+        drag = p[1] * depth**1.5 * p[2] + 0.2 * math.sqrt(p[1] * ROTOR * math.sqrt(depth))
+        push = side * max(0.0, p[1] * depth**1.5 + drag * side * rate)
         w[TAU + i] += push
         w[RTAU + i] -= push
 

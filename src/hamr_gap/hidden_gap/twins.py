@@ -33,8 +33,8 @@ def _slow(case: Case, random: np.random.Generator) -> Case:
 
 def _one_tone(case: Case, random: np.random.Generator) -> Case:
     """One frequency at one amplitude, far below resonance: the third harmonic alone tells."""
-    tone = {"kind": "trot", "seconds": case.seconds, "frequency_hz": float(random.uniform(3.0, 12.0)), "amplitude": float(random.uniform(60.0, 110.0))}
-    return replace(case, excitation=tone)
+    hertz, volts = float(random.uniform(3.0, 12.0)), float(random.uniform(60.0, 110.0))
+    return replace(case, excitation={"kind": "trot", "seconds": case.seconds, "frequency_hz": hertz, "amplitude": volts})
 
 
 def _gentle(case: Case, random: np.random.Generator) -> Case:
