@@ -91,7 +91,7 @@ BAD = {
     "not finite": ("5e-3", ".nan", "give a finite number"),
     "negative": ("1.8e-6", "-1.8e-6", "level is -1.8e-06; it must not be negative"),
     "zero": ("5e-3", "0", "distance is 0; it must be positive"),
-    "impossible gain": ("{change: stiffness, joints: left, value: 1e-5, unit: N*m/rad}", "{change: gain, joints: all, value: -1.5}", "gain"),
+    "impossible gain": ("stiffness, joints: left, value: 1e-5, unit: N*m/rad", "gain, joints: all, value: -1.5", "more than -1"),
     "unknown change": ("change: stiffness", "change: colour", "no change 'colour'"),
     "effects is no list": (GOOD, "effects: 3", "'effects' must be a list"),
     "no mapping": (GOOD, "- 1", "must be a mapping"),
