@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .law import Effect, Form, Pair, PairPush, Parameter
+from .configuration_dependent_damping import CENTRE, WIDTH, bell
+from .law import Effect, Form, Joint, Pair, PairPush, Parameter, Push
 
 
 def potential(x: Pair, p, z):
@@ -20,6 +21,13 @@ def potential(x: Pair, p, z):
     return PairPush((-along, -across), stiffness=(k11, k12, k22)), z
 
 
+def well(x: Joint, p, z):
+    """Force of the potential -depth / (1 + ((q - centre)/width)^2): a soft or stiff place in the travel."""
+    near, at = bell(x.q, p)
+    k = 2.0 * p["depth"] * near * near / (p["width"] * p["width"])
+    return Push(-(k * (x.q - p["centre"])), stiffness=k * (1.0 - 4.0 * at * at * near)), z
+
+
 def _term(i: int, j: int) -> Parameter:
     return Parameter(f"c{i}{j}", f"F/Q^{i + j - 1}", 0.01, -5.0, 5.0, f"potential per swing^{i} lift^{j}")
 
@@ -28,7 +36,8 @@ EFFECT = Effect(
     name="configuration_dependent_stiffness",
     part="transmission",
     summary="Springs whose stiffness changes with both angles of the leg, as a potential has it.",
-    forms=(Form("potential", "pair", potential,
+    forms=(Form("well", "force", well, (Parameter("depth", "F*Q", 0.02, -5.0, 5.0, "of the potential"), CENTRE, WIDTH)),
+           Form("potential", "pair", potential,
                 tuple(_term(i, n - i) for n in (3, 4) for i in range(n, -1, -1))),),
     experiment="large motions of both joints at once",
     source="hamr_facts 7, effect 8; Gruenstein et al., Residual Model Learning for Microrobot Control",

@@ -23,7 +23,7 @@ EFFECT = Effect(
     summary="The drive levels off at large commands.",
     forms=(
         Form("soft", "drive", soft, (Parameter("curvature", "1/U^2", 0.05, 0.0, 5.0, "one over the squared limit"),), order=4),
-        Form("hard", "drive", hard, (Parameter("sharpness", "1/U", 0.6, 0.0, 5.0, "one over the limit"),), order=4),
+        Form("hard", "drive", hard, (Parameter("sharpness", "1/U", 0.6, 0.0, 5.0, "one over the limit", screen=(0.35, 0.45, 0.6, 0.8)),), order=4),
     ),
     experiment="three amplitudes up to the rails",
     source="gap_method 3.2; amplifiers near their rails",

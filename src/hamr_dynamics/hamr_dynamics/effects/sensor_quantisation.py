@@ -20,4 +20,5 @@ EFFECT = Effect(
     forms=(Form("rounding", "sense", rounding, (Parameter("step", "Q", 0.02, 0.0, 1.0, "between readings"),), order=4),),
     experiment="slow motion: the readings themselves show the steps",
     source="gap_method 3.2",
+    needs=("quantised",),
 )

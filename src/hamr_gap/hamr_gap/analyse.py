@@ -1,0 +1,144 @@
+"""Find and name, for one machine: from a record to a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hamr_dynamics.effects.library import library
+from hamr_dynamics.machine import CHANGES, Machine
+
+from .candidates import missing
+from .fit import Fit
+from .hypothesis import Hypothesis, judge, residual
+from .interval import intervals
+from .parameters import Candidate
+from .prepare import Prepared, prepare
+from .record import Record
+from .roles import mask
+from .search import Search, search
+from .si import si_of
+from .verdict import Answer, Estimate, Gap, NamedEffect, Verdict
+from .weigh import Weight, better, credible, weigh
+from .where import where
+
+SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
+CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """A verdict and all that led to it, for reports."""
+
+    prepared: Prepared
+    search: Search | None
+    weights: list[Weight]
+    best: Hypothesis
+    verdict: Verdict
+
+
+def analyse(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None) -> Analysis:
+    """Finds the gap between a machine's model and a record of it, and names what is missing.
+
+    Raises:
+        BagError: the record cannot be used; one sentence.
+    """
+    report("re-tune")
+    prepared = prepare(machine, record)
+    state = search(prepared.weighed, prepared.judged, prepared.base, report)
+    weights = weigh(state, int(prepared.judged.sum()))
+    if not _significant(prepared, state):
+        verdict, best, chosen = _nothing(prepared), prepared.base, []
+    else:
+        chosen = credible(weights)
+        best = next((w.hypothesis for w in weights if w.hypothesis is not None), state.best)
+        verdict = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
+    report("intervals")
+    return Analysis(prepared, state, weights, best, _state(verdict, prepared, state, chosen, best))
+
+
+def _significant(prepared: Prepared, state: Search) -> bool:
+    """Whether some effect leaves less than the re-tune, throughout the readings it was selected on and on fresh ones."""
+    best = state.best
+    if not best.effects or better(prepared.base.blocks, best.blocks) < SIGNIFICANT:
+        return False
+    if prepared.base.left - best.left < prepared.numerical**2 * prepared.weighed.model.mean * 0.25:
+        return False
+    fresh = mask(prepared.weighed.model, prepared.roles.calibrate)
+    again = [judge(prepared.weighed, fresh, h.effects, h.fit).blocks for h in (prepared.base, best)]
+    return better(*again) > CONFIRMED
+
+
+def _nothing(prepared: Prepared) -> str:
+    model = prepared.weighed.model
+    raw = model.runs((), np.zeros((1, 0)))[0]
+    square = np.where(prepared.judged, ((model.target - raw) / prepared.weighed.sigma) ** 2, np.nan)
+    rows = np.flatnonzero(prepared.judged.any(1))
+    blocks = [np.nanmean(square[part]) for part in np.array_split(rows, len(prepared.base.blocks))]
+    return "parameters_only" if better(blocks, prepared.base.blocks) > SIGNIFICANT else "no_significant_gap"
+
+
+def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight], best: Hypothesis) -> Verdict:
+    model = prepared.weighed.model
+    machine, record = model.machine, model.record
+    answers = tuple(
+        Answer(_effects(prepared, w.hypothesis) if w.hypothesis else (), w.probability, w.left) for w in chosen
+    )  # fmt: skip
+    silent = {name: why for name in library() if (why := missing(name, machine, record.channels)) and why != "it is no name"}
+    return Verdict(
+        machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=_changes(prepared, best.fit),
+        gap=_gap(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
+        detectable={}, experiment=None, notes=(),
+    )  # fmt: skip
+
+
+def _effects(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:
+    machine = prepared.weighed.model.machine
+    bounds = dict(zip((f.row for f in h.fit.free), intervals(prepared.weighed, h.fit), strict=True))
+    values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
+    scales = prepared.weighed.model.scales
+
+    def effect(c: Candidate) -> NamedEffect:
+        parameters: dict[str, dict[str, Estimate]] = {}
+        for place in c.places:
+            where_ = machine.joints[place] if c.law.acts != "pair" else "both"
+            for p in c.law.parameters:
+                row = c.row(p, place)
+                factor, unit = si_of(p.dimension, machine.to_si, machine.units)
+                factor *= scales.of(p.dimension)
+                low, high = bounds[row]
+                parameters.setdefault(p.name, {})[where_] = Estimate(values[row] * factor, low * factor, high * factor, unit)
+        return NamedEffect(c.effect, c.form, tuple(machine.joints[j] for j in c.joints), parameters)
+
+    return tuple(effect(c) for c in h.effects)
+
+
+def _changes(prepared: Prepared, found: Fit) -> dict[str, dict[str, Estimate]]:
+    machine, scales = prepared.weighed.model.machine, prepared.weighed.model.scales
+    bounds = intervals(prepared.weighed, found)
+    result: dict[str, dict[str, Estimate]] = {}
+    for f, x, (low, high) in zip(found.free, found.x, bounds, strict=True):
+        if f.row.startswith("change."):
+            _, name, joint = f.row.split(".")
+            factor, unit = si_of(CHANGES[name], machine.to_si, machine.units)
+            factor *= scales.of(CHANGES[name])
+            result.setdefault(name, {})[machine.joints[int(joint)]] = Estimate(x * factor, low * factor, high * factor, unit)
+    return result
+
+
+def _gap(prepared: Prepared, best: Hypothesis) -> Gap:
+    """Gaps on the judged readings, in noise of one sample; per channel in SI."""
+    weighed = prepared.weighed
+    model, mean = weighed.model, weighed.model.mean
+    raw = (model.target - model.runs((), np.zeros((1, 0)))[0]) / weighed.sigma
+    three = {"raw": raw, "retuned": residual(weighed, prepared.base.fit), "after": residual(weighed, best.fit)}
+    chosen = prepared.judged.any(1)
+    totals = {name: float(np.sqrt(np.nanmean(x[chosen] ** 2) / mean)) for name, x in three.items()}
+    factor = model.machine.to_si["Q"]
+    channels = {
+        channel: {name: float(np.sqrt(np.nanmean(x[chosen, c] ** 2)) * weighed.sigma[c] * factor) for name, x in three.items()}
+        for c, channel in enumerate(model.record.channels)
+    }
+    return Gap(**totals, floor=float(np.hypot(1.0, prepared.numerical)), per_channel=channels)

@@ -1,0 +1,109 @@
+"""Hypotheses about what is missing: first steps that are simulated, fits for good, and what each leaves on readings not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .fit import Fit, Weighed, fit
+from .parameters import Candidate, Free, effect_parameters
+from .screen import BATCH, Screen, Solution
+
+STEPS = np.array([1.0, 0.4, 0.15])  # shares of a linear solution that are simulated
+BLOCKS = 24  # of the judged readings, for spread
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a fit may begin.
+
+    Attributes:
+        effects. free, x: parameters and values. cost: half sum of squares on the fitted readings there, priors left out.
+    """
+
+    effects: tuple[Candidate, ...]
+    free: tuple[Free, ...]
+    x: np.ndarray
+    cost: float
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """Some effects (none: a re-tune alone), fitted.
+
+    Attributes:
+        effects. fit: on the fitted readings.
+        left: mean square of the judged readings' residual, in units of the noise. blocks: (b,) the same for each block of readings.
+    """
+
+    effects: tuple[Candidate, ...]
+    fit: Fit
+    left: float
+    blocks: np.ndarray
+
+    @property
+    def names(self) -> frozenset:
+        """Families and places."""
+        return frozenset(c.name for c in self.effects)
+
+    @property
+    def sizes(self) -> int:
+        """Number of sizes."""
+        return sum(len(c.rows(shape=False)) for c in self.effects)
+
+
+def residual(weighed: Weighed, found: Fit) -> np.ndarray:
+    """(n, channels) in units of the noise."""
+    return (weighed.model.target - found.reading) / weighed.sigma
+
+
+def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], found: Fit) -> Hypothesis:
+    """A hypothesis from its fit."""
+    square = np.where(judged, residual(weighed, found) ** 2, np.nan)
+    rows = np.flatnonzero(judged.any(1))
+    blocks = np.array([np.nanmean(square[part]) for part in np.array_split(rows, BLOCKS)])
+    return Hypothesis(tuple(effects), found, float(np.nanmean(square[rows])), blocks)
+
+
+def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Sequence[Candidate], Solution]]) -> list[Start]:
+    """For each set of effects with its linear solution, the best of a few steps towards it, simulated."""
+    prepared = []
+    known = {f.row for f in base.free}
+    for effects, solution in wanted:
+        free = (*base.free, *(f for f in effect_parameters(effects, weighed.model.scales) if f.row not in known))
+        for share in STEPS:
+            prepared.append((tuple(effects), free, _at(free, base, seen, solution, share)))
+    model, until = weighed.coarse or weighed.model, weighed.until
+    target = model.target[:until] - (base.run[:until] - model.runs(base.free, base.x, until)[0])  # what coarser steps do is known
+    basis = np.linalg.qr(weighed.sensor_columns(base.run))[0]
+    found: dict[int, Start] = {}
+    for at in range(0, len(prepared), BATCH):
+        part = prepared[at : at + BATCH]
+        left = weighed.vector(target - model.run_rows(np.concatenate([model.rows(free, x) for _, free, x in part]), until))
+        left -= (left @ basis) @ basis.T
+        for k, ((effects, free, x), r) in enumerate(zip(part, left, strict=True)):
+            which = (at + k) // len(STEPS)
+            cost = 0.5 * float(r @ r)
+            if np.isfinite(cost) and (which not in found or cost < found[which].cost):
+                found[which] = Start(effects, free, x, cost)
+    return list(found.values())
+
+
+def _at(free: Sequence[Free], base: Fit, seen: Screen, solution: Solution, share: float) -> np.ndarray:
+    """(P,) a share of the way to a linear solution; sizes strictly inside their bounds, shapes as screened."""
+    n = len(base.free)
+    x = dict(zip((f.row for f in base.free), base.x + share * solution.value[:n], strict=True))
+    old = dict(zip((f.row for f in base.free), base.x, strict=True))
+    for c, v in zip(solution.chosen, solution.value[seen.fixed :], strict=True):
+        column = seen.columns[c]
+        x[column.row] = old.get(column.row, 0.0) + share * (v * column.size or 0.02 * column.parameter.typical)
+        x |= {row: s for row, s in column.shapes if row not in old}
+    low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
+    return np.clip(np.array([x.get(f.row, f.center) for f in free]), low, high)
+
+
+def refine(weighed: Weighed, judged: np.ndarray, start: Start) -> Hypothesis:
+    """Fits a set of effects for good."""
+    return judge(weighed, judged, start.effects, fit(weighed, start.free, start.x))

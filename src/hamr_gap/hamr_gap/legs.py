@@ -1,0 +1,56 @@
+"""HAMR's legs as machines, and a bag's measured samples as their records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from hamr_description.names import JOINTS, LEGS, MIRROR, drive_sign, joint_signs
+from hamr_description.numbers import value
+from hamr_description.units import length_from_si
+from hamr_dynamics.machine import Machine, leg_machine
+from hamr_dynamics.plant import plant
+
+from .record import Record
+
+
+class Measured(Protocol):
+    """What `hamr_bags.reader.load` gives; SI, one column a joint."""
+
+    voltages: np.ndarray
+    angles: np.ndarray
+    deflections: np.ndarray | None
+    sample_hz: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A leg: its model and what was measured of it."""
+
+    name: str
+    machine: Machine
+    record: Record
+
+
+def machine_of(backend: str, leg: str) -> Machine:
+    """The suspended leg of a backend."""
+    return leg_machine(plant(backend), leg, gravity=value("robot.gravity"))
+
+
+def record_of(measured: Measured, leg: str, joints: Sequence[str] = JOINTS) -> Record:
+    """A leg's samples in the leg frame (rad, mm, V from neutral, ms); columns are `joints`."""
+    columns = [list(joints).index(f"{leg}_{kind}") for kind in ("swing", "lift")]
+    drives = (measured.voltages[:, columns] - value("actuator.neutral_voltage")) * drive_sign(leg)
+    readings, channels = [measured.angles[:, columns] * np.array(joint_signs(leg), float)], [f"{leg}_swing", f"{leg}_lift"]
+    if measured.deflections is not None:
+        readings.append(length_from_si(measured.deflections[:, columns]) * MIRROR[leg][1])
+        channels += [f"{name}_actuator" for name in channels]
+    return Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels))
+
+
+def legs(measured: Measured, backend: str) -> list[Leg]:
+    """All four legs."""
+    return [Leg(leg, machine_of(backend, leg), record_of(measured, leg)) for leg in LEGS]

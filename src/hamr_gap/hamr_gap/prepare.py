@@ -1,0 +1,100 @@
+"""From a record and a machine to a weighed model: how finely to simulate, what counts as noise, which readings serve what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hamr_description.errors import BagError
+from hamr_dynamics.machine import Machine
+
+from .fit import Fit, Weighed, fit
+from .hypothesis import Hypothesis, judge
+from .model import BAND, Model, scales_of
+from .parameters import changes
+from .record import Record, noise_of
+from .roles import Roles, mask, roles_of
+
+FINEST = 16  # steps per sample, at most
+ENOUGH = 0.2  # of the noise: what halving the step may move
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A record ready to be explained.
+
+    Attributes:
+        weighed: fitted readings. judged: readings to select on. roles.
+        base: the re-tuned model. raw: mean square of the residual before it, in units of the noise, on the judged readings.
+        noise: (channels,) standard deviation of a sample's noise. numerical: rms by which halving the step moves readings, in noise.
+    """
+
+    weighed: Weighed
+    judged: np.ndarray
+    roles: Roles
+    base: Hypothesis
+    raw: float
+    noise: np.ndarray
+    numerical: float
+
+
+def prepare(machine: Machine, record: Record) -> Prepared:
+    """Checks a record, chooses step and rate, and re-tunes the model fairly.
+
+    Raises:
+        BagError: constant drives or readings, too little data; one sentence.
+    """
+    _check(machine, record)
+    seconds = machine.to_si["T"]
+    mean = max(1, int(1.0 / (record.step * seconds * BAND)))
+    noise = noise_of(record.readings)
+    substeps = _coarsest(machine, record)
+    model = Model(machine, record, substeps, mean, scales_of(machine, record))
+    roles = roles_of(model, seconds)
+    joints = len(machine.joints)
+    gains = tuple(i for i, c in enumerate(record.channels) if machine.channels.index(c) >= joints)
+    weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
+    free = changes(machine, model.scales)
+    judged = mask(model, roles.select)
+    # a coarser description first, then the step that the noise asks for
+    found = fit(weighed, free, np.zeros(len(free)))
+    while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
+        substeps *= 2
+        model = replace(model, substeps=substeps)
+        weighed = replace(weighed, model=model)
+        found = fit(weighed, free, found.x)
+    raw = weighed.model.runs((), np.zeros((1, 0)))[0]
+    raw_left = float(np.mean((((model.target - raw) / weighed.sigma) ** 2)[judged]))
+    sigma = np.maximum(weighed.sigma, noise_of((model.target - found.reading)[roles.fit]))
+    if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
+        weighed = replace(weighed, sigma=sigma)
+        found = fit(weighed, free, found.x)
+    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw_left, noise, numerical)
+
+
+def _check(machine: Machine, record: Record) -> None:
+    for j, name in enumerate(machine.joints):
+        if np.ptp(record.drives[:, j]) == 0:
+            raise BagError(f"The drive of {name} is constant: nothing can be said about it; excite it.")
+    for c, name in enumerate(record.channels):
+        known = record.readings[:, c][np.isfinite(record.readings[:, c])]
+        if len(known) < 100 or np.ptp(known) == 0:
+            raise BagError(f"The sensor of {name} reads the same all the time, or nothing: check it.")
+
+
+def _coarsest(machine: Machine, record: Record) -> int:
+    """Steps per sample with at least 40 of them in a period of the fastest joint."""
+    rest = machine.at_rest
+    fastest = max(machine.diagonal(rest.stiffness, j) / machine.diagonal(rest.mass, j) for j in range(len(machine.joints)))
+    return max(1, int(np.ceil(record.step * np.sqrt(max(fastest, 0.0)) * 40 / (2 * np.pi))))
+
+
+def _moves(weighed: Weighed, found: Fit) -> float:
+    """Rms by which halving the step moves the fitted readings, after the sensors' part, in units of a sample's noise."""
+    finer = replace(weighed, model=replace(weighed.model, substeps=2 * weighed.model.substeps))
+    run = finer.model.runs(found.free, found.x)[0]
+    moved = weighed.vector(run - found.run)
+    columns = weighed.sensor_columns(found.run)
+    moved = moved - columns @ np.linalg.lstsq(columns, moved, rcond=None)[0]
+    return float(np.sqrt(np.mean(moved**2)) / np.sqrt(weighed.model.mean))

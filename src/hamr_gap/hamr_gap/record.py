@@ -1,0 +1,76 @@
+"""What was measured on one machine: drives and sensor readings at even times. Nothing else ever reaches the workflow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import comb
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from hamr_description.errors import BagError
+
+
+@dataclass(frozen=True)
+class Record:
+    """Measured samples of one machine in its own units.
+
+    Attributes:
+        drives: (n, joints) U. readings: (n, channels), NaN where a sensor said nothing.
+        step: T between samples. channels: names, as `Machine.channels` or some of them.
+        held: whether a drive holds until the next sample (True) or was sampled from a smooth signal.
+        rest: whether the machine was at rest before the first sample.
+    """
+
+    drives: np.ndarray
+    readings: np.ndarray
+    step: float
+    channels: tuple[str, ...]
+    held: bool = False
+    rest: bool = True
+
+    def __post_init__(self) -> None:
+        if len(self.drives) != len(self.readings):
+            raise BagError(f"{len(self.drives)} drives but {len(self.readings)} readings: they must belong to the same times.")
+        if not np.isfinite(self.drives).all():
+            raise BagError("A drive is NaN or infinite: every sample needs one.")
+
+    def __len__(self) -> int:
+        return len(self.drives)
+
+    @cached_property
+    def span(self) -> float:
+        """Duration, T."""
+        return len(self) * self.step
+
+    def fine(self, substeps: int) -> np.ndarray:
+        """(n * substeps, joints) drives at the steps of a simulation, each the mean over its step."""
+        if self.held or substeps == 1:
+            return np.repeat(self.drives, substeps, axis=0)
+        curve = CubicSpline(np.arange(len(self)), self.drives, axis=0)
+        return curve(np.minimum((np.arange(len(self) * substeps) + 0.5) / substeps, len(self) - 1))
+
+    def averaged(self, mean: int) -> np.ndarray:
+        """(n // mean, channels) readings, means over `mean` samples each; NaN where one is missing."""
+        n = len(self) // mean
+        return self.readings[: n * mean].reshape(n, mean, -1).mean(1)
+
+    def cut(self, start: int, stop: int) -> Record:
+        """Samples start to stop; not from rest unless from the beginning."""
+        return replace(self, drives=self.drives[start:stop], readings=self.readings[start:stop], rest=self.rest and start == 0)
+
+
+def noise_of(x: np.ndarray) -> np.ndarray:
+    """(channels,) standard deviation of white noise in (n, channels) samples of smooth signals, from differences.
+
+    Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the least over the orders is taken.
+    """
+    best = np.full(x.shape[1], np.inf)
+    for order in range(1, 9):
+        d = np.diff(x, order, axis=0)
+        d = d[np.isfinite(d).all(1)]
+        if len(d) < 30:
+            break
+        best = np.minimum(best, 1.4826 * np.median(np.abs(d), axis=0) / np.sqrt(comb(2 * order, order)))
+    return best

@@ -1,0 +1,132 @@
+"""The search for what is missing: all singles, all pairs and more, with the ones that look best fitted for good."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from .candidates import candidates
+from .fit import Fit, Weighed
+from .hypothesis import Hypothesis, Start, judge, refine, residual, starts
+from .parameters import Candidate
+from .record import noise_of
+from .screen import Screen, screen
+
+SINGLES = 8  # names fitted for good
+PAIRS = 5
+PAIRS_SEEN = 60  # pairs simulated
+MORE = 4
+SHAPES = 2  # sets of shapes of each candidate that are simulated
+ENOUGH = 0.02  # of the gap: nothing smaller is looked for, laws of one name differ by more
+LARGEST = 3  # effects at once
+CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
+
+
+@dataclass
+class Search:
+    """What was tried.
+
+    Attributes:
+        base: the re-tuned model without effects. tried: all hypotheses with effects. floor: mean square that noise alone leaves.
+    """
+
+    base: Hypothesis
+    tried: list[Hypothesis] = field(default_factory=list)
+    floor: float = 1.0
+
+    @property
+    def best(self) -> Hypothesis:
+        """The one that leaves least."""
+        return min([self.base, *self.tried], key=lambda h: h.left)
+
+    def by_names(self) -> dict[frozenset, Hypothesis]:
+        """The best hypothesis for every set of names."""
+        found: dict[frozenset, Hypothesis] = {}
+        for h in self.tried:
+            if h.names not in found or h.left < found[h.names].left:
+                found[h.names] = h
+        return found
+
+
+def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Callable[[str], None] = lambda _: None) -> Search:
+    """Names that could close the gap of a re-tuned model.
+
+    Args:
+        report: told what is being done.
+    """
+    state, count = Search(base), int(judged.sum())
+    everything = candidates(weighed.model.machine, weighed.model.record.channels)
+    report("screen")
+    seen = _look(weighed, base.fit, everything)
+    report("singles")
+    alone = _singles(weighed, base.fit, seen, everything)
+    state.tried += [refine(weighed, judged, start) for start in _first(alone, SINGLES)]
+    for size in range(2, LARGEST + 1):
+        state.floor = noise_floor(weighed, judged, state.best)
+        excess = state.best.left - state.floor
+        if excess * count < CLEAR or excess < ENOUGH * (base.left - state.floor):
+            break
+        report(f"sets of {size}")
+        new = _pairs(weighed, judged, base.fit, seen, alone) if size == 2 else []
+        new += _beside(weighed, judged, state, everything, size)
+        before = state.best.left
+        state.tried += new
+        if min((h.left for h in new), default=before) - state.floor > 0.7 * (before - state.floor):
+            break
+    state.floor = noise_floor(weighed, judged, state.best)
+    return state
+
+
+def _look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate]) -> Screen:
+    left = residual(weighed, about)[weighed.chosen]
+    return screen(weighed, about, wanted, amplitude=float(np.sqrt(np.mean(left**2))))
+
+
+def _singles(weighed: Weighed, about: Fit, seen: Screen, wanted: Sequence[Candidate]) -> list[Start]:
+    """A start for every candidate and its best shapes."""
+    return starts(weighed, about, seen, [((c,), s) for c in wanted for s in seen.best(c, SHAPES)])
+
+
+def _first(found: Sequence[Start], count: int) -> list[Start]:
+    """The starts that leave least, one for each set of names."""
+    best: dict[frozenset, Start] = {}
+    for start in sorted(found, key=lambda s: s.cost):
+        best.setdefault(frozenset(c.name for c in start.effects), start)
+    return list(best.values())[:count]
+
+
+def _pairs(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alone: Sequence[Start]) -> list[Hypothesis]:
+    """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted."""
+    kept = [start.effects[0] for start in _first(alone, len(alone))]
+    best = {c: seen.best(c)[0] for c in kept}
+    pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if a.effect != b.effect}
+    wanted = sorted(pairs, key=lambda pair: pairs[pair].cost)[:PAIRS_SEEN]
+    return [refine(weighed, judged, s) for s in _first(starts(weighed, about, seen, [(pair, pairs[pair]) for pair in wanted]), PAIRS)]
+
+
+def _beside(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], size: int) -> list[Hypothesis]:
+    """One more effect beside the best set of one less, in a linear picture about that set."""
+    smaller = sorted((h for h in state.tried if len(h.effects) == size - 1), key=lambda h: h.left)[:1]
+    found = []
+    for h in smaller:
+        others = [c for c in everything if all(c.effect != e.effect for e in h.effects)]
+        around = _look(weighed, h.fit, others)
+        for start in _first(_singles(weighed, h.fit, around, others), MORE):
+            more = refine(weighed, judged, start)
+            found.append(judge(weighed, judged, (*h.effects, *start.effects), more.fit))
+    return found
+
+
+def noise_floor(weighed: Weighed, judged: np.ndarray, best: Hypothesis) -> float:
+    """Mean square that the noise alone leaves on the judged readings: from differences of the best hypothesis' residual."""
+    left = residual(weighed, best.fit)
+    rows = judged.any(1)
+    return float(min(np.mean(noise_of(left[rows]) ** 2), best.left))
+
+
+def named(effects: Iterable[Candidate]) -> str:
+    """A set of effects in words."""
+    return " + ".join(f"{c.effect}({','.join(map(str, c.joints))})" for c in effects) or "nothing"
