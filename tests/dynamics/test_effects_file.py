@@ -96,6 +96,9 @@ BAD = {
     "effects is no list": (GOOD, "effects: 3", "'effects' must be a list"),
     "no mapping": (GOOD, "- 1", "must be a mapping"),
     "no YAML": (GOOD, "effects: [", "is no YAML"),
+    "list as key": (GOOD, "? [a]\n: 1", "is no YAML"),
+    "huge": ("5e-3", "1" + 400 * "0", "give a finite number"),
+    "nothing": (GOOD, "", "must be a mapping"),
     "code": (GOOD, "effects: !!python/object/apply:os.system [ls]", "is no YAML"),
     "same place twice": (
         "  - effect: added_mass", "  - {effect: coulomb_friction, form: presliding, joints: [rear], parameters: {level: 0, distance: 1}}\n"

@@ -168,7 +168,7 @@ class _Strict(yaml.SafeLoader):
     """A safe loader that takes no key twice."""
 
     def construct_mapping(self, node, deep=False):
-        keys = [key.value for key, _ in node.value]
+        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
         if len(keys) != len(set(keys)):
             raise ConfigError(f"key '{next(k for k in keys if keys.count(k) > 1)}' stands twice in one place; leave one of them out.")
         return super().construct_mapping(node, deep)
@@ -218,7 +218,7 @@ def _finite(where: str, given: object) -> float:
     """A number; YAML reads 1e-6 as text, a person does not."""
     try:
         number = math.nan if isinstance(given, bool) else float(given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         raise ConfigError(f"{where} is {given!r}; give a finite number.")
