@@ -19,11 +19,11 @@ from .simulate import SAMPLE_HZ, rough
 
 PER_MS = SAMPLE_HZ / time_from_si(1.0)
 #: Kinds whose differences need a run, with the step taken; and how far each kind may wander where the data do not hold it.
-STEPS = {"drive_gain": 0.02, "stiffness": 0.02, "damping": 0.05, "inertia": 0.02, "preload": 2e-3}
-LEEWAY = {"inertia": 0.15, "preload": 0.1, "bias": 0.1, "tip_bias": 0.05, TIME_SHIFT: 0.3}
+STEPS = {"drive_gain": 1e-3, "stiffness": 1e-3, "damping": 2e-3, "inertia": 1e-3, "preload": 1e-4}
+LEEWAY = {"damping": 0.6, "inertia": 0.15, "preload": 0.1, "bias": 0.1, "tip_bias": 0.05, TIME_SHIFT: 0.3}
 FACTOR_LEEWAY = 0.3
-#: Longest step, in leeways; where one wants to be longer, directions are taken anew after it.
-LONGEST = 1.0
+#: Longest step, in leeways; and how much worse than foreseen a fit may be to count as found.
+LONGEST, AS_FORESEEN = 1.0, 1.08
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,12 +71,12 @@ class Directions:
         pull = np.diag(self.leeway**-2.0)
         slope = self.columns.T @ residual - pull @ (at - self.around)
         move = np.linalg.solve(self.normal, slope)
-        held = float(np.trace(self.normal * self.leeway**2)) * 1e-9
         cut = np.abs(move / self.leeway).max() > LONGEST
+        held = float(np.trace(self.normal * self.leeway**2)) * 1e-9
         while np.abs(move / self.leeway).max() > LONGEST:
             held *= 3.0
             move = np.linalg.solve(self.normal + held * pull, slope)
-        return float(np.sqrt(np.mean((residual - self.columns @ move) ** 2))), at + move, cut
+        return float(np.sqrt(np.mean((residual - self.columns @ move) ** 2))), at + move, bool(cut)
 
 
 def directions(run: Truth, changes: Mapping[str, float], signal: Mapping, scale: Scale) -> Directions:
@@ -119,18 +119,23 @@ class Retune:
         return self._named(self._start.around)
 
     def gap(self, truth: Truth, model: Callable[[Mapping[str, float]], Truth], *, steps: int) -> float:
-        """Rms in floors of truth minus the best model(changes), linear about the best of at most `steps` Gauss-Newton steps."""
-        goal, around, reached = self._scale.run(truth), self._start, np.inf
-        at, cut = around.around, False
-        for _ in range(steps + 1):
+        """Rms in floors of truth minus the best model(changes) that at most `steps` Gauss-Newton steps find.
+
+        Where a whole step went as foreseen, what is foreseen of the next one counts; else the best there was, or after a first step alone
+        what it foresees.
+        """
+        goal, around, best, foreseen = self._scale.run(truth), self._start, np.inf, np.inf
+        at = around.around
+        for k in range(steps + 1):
             run = model(self._named(at))
-            if cut:
+            if k:
                 around = replace(directions(run, self._named(at), self._signal, self._scale), around=self._start.around)
-            left, at, cut = around.step(goal - self._scale.run(run), at)
-            improved, reached = reached - left, min(reached, left)
-            if improved < 0.01 * left and not cut:
-                break
-        return reached
+            rest = goal - self._scale.run(run)
+            best = min(best, float(np.sqrt(np.mean(rest**2))))
+            foreseen, at, cut = around.step(rest, at)
+            if best < AS_FORESEEN * foreseen and not cut:
+                return foreseen
+        return foreseen if steps <= 1 else best
 
     def _named(self, values: np.ndarray) -> dict[str, float]:
         return dict(zip(self._start.names, values.tolist(), strict=True))

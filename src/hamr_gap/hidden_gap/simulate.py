@@ -53,8 +53,9 @@ def play(effects: Sequence[Effect], changes: Mapping[str, float], signal: Mappin
 
 def rough(changes: Mapping[str, float], signal: Mapping) -> tuple[np.ndarray, np.ndarray]:
     """Hip angles (n, 2) rad and tips (n, 2) mm of the leg without effects at 4 kHz, one step a sample; sensors' changes apart."""
+    hold = EVERY * SERVO_MS
     volts = commands(**signal)
-    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), EVERY * SERVO_MS, EVERY * SERVO_MS)
+    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), hold, hold)
 
 
 @lru_cache(maxsize=4)

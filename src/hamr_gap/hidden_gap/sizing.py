@@ -17,7 +17,7 @@ from .simulate import play
 
 #: Steps of the search and of what has no stiff law, ms; how near the strength is good enough in the search and at the end.
 COARSE, FINE, NEAR, CLOSE = 0.05, 0.025, 0.03, 0.05
-TRIALS, FINAL_STEPS = 12, 4
+TRIALS, FINAL_TRIALS, FINAL_STEPS = 10, 4, 4
 NOTHING = -3.0  # log of a share of the strength below which a law does not act at all: secants tell nothing
 
 
@@ -57,8 +57,8 @@ class Sizer:
         low, high = map(math.log, law.ranges[law.size])
         start = math.log(effect.parameters[law.size])
         try:
-            rough = self._search(partial(self._miss, effect, law.step if law.machine else COARSE, 1), low, high, start, NEAR)
-            final = rough and self._search(partial(self._miss, effect, law.step, FINAL_STEPS), low, high, rough[0], CLOSE)
+            rough = self._search(partial(self._miss, effect, law.step if law.machine else COARSE, 1), low, high, start, NEAR, TRIALS)
+            final = rough and self._search(partial(self._miss, effect, law.step, FINAL_STEPS), low, high, rough[0], CLOSE, FINAL_TRIALS)
         except ModelError:
             return None
         return (_of_size(effect, final[0]), math.exp(final[1]) * self._case.strength) if final else None
@@ -68,11 +68,11 @@ class Sizer:
         return math.log(max(self.strength((_of_size(effect, size),), step=step, steps=steps), 1e-6) / self._case.strength)
 
     @staticmethod
-    def _search(miss: Callable[[float], float], low: float, high: float, x: float, near: float) -> tuple[float, float] | None:
+    def _search(miss: Callable, low: float, high: float, x: float, near: float, trials: int) -> tuple[float, float] | None:
         """Root of a rising function of log size by secants kept inside what is known; None if it is out of bounds."""
         below, above = (low, -math.inf), (high, math.inf)
         last = None
-        for _ in range(TRIALS):
+        for _ in range(trials):
             y = miss(x)
             if abs(math.expm1(y)) < near:
                 return x, y
