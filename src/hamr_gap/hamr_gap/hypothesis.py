@@ -98,7 +98,8 @@ def _at(free: Sequence[Free], base: Fit, seen: Screen, solution: Solution, share
     old = dict(zip((f.row for f in base.free), base.x, strict=True))
     for c, v in zip(solution.chosen, solution.value[seen.fixed :], strict=True):
         column = seen.columns[c]
-        x[column.row] = old.get(column.row, 0.0) + share * (v * column.size or 0.02 * column.parameter.typical)
+        step = column.size if column.parameter.screen else share * (v * column.size or 0.02 * column.parameter.typical)
+        x[column.row] = old.get(column.row, 0.0) + step  # a size with a threshold is tried where it was seen
         x |= {row: s for row, s in column.shapes if row not in old}
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
     return np.clip(np.array([x.get(f.row, f.center) for f in free]), low, high)

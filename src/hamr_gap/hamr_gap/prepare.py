@@ -46,31 +46,35 @@ def prepare(machine: Machine, record: Record) -> Prepared:
         BagError: constant drives or readings, too little data; one sentence.
     """
     _check(machine, record)
-    seconds = machine.to_si["T"]
-    mean = max(1, int(1.0 / (record.step * seconds * BAND)))
-    noise = noise_of(record.readings)
-    substeps = _coarsest(machine, record)
-    model = Model(machine, record, substeps, mean, scales_of(machine, record))
-    roles = roles_of(model, seconds)
-    joints = len(machine.joints)
-    gains = tuple(i for i, c in enumerate(record.channels) if machine.channels.index(c) >= joints)
-    weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
-    free = changes(machine, model.scales)
-    judged = mask(model, roles.select)
-    # a coarser description first, then the step that the noise asks for
-    found = fit(weighed, free, np.zeros(len(free)))
+    # between samples a drive was smooth, or held: what fits better was the case
+    tried = [_tuned(machine, replace(record, held=held)) for held in (False, True)]
+    weighed, found, roles, noise = min(tried, key=lambda t: t[1].cost)
+    model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
         substeps *= 2
         model = replace(model, substeps=substeps)
         weighed = replace(weighed, model=model)
-        found = fit(weighed, free, found.x)
+        found = fit(weighed, found.free, found.x)
+    judged = mask(weighed.model, roles.select)
     raw = weighed.model.runs((), np.zeros((1, 0)))[0]
     raw_left = float(np.mean((((model.target - raw) / weighed.sigma) ** 2)[judged]))
-    sigma = np.maximum(weighed.sigma, noise_of((model.target - found.reading)[roles.fit]))
+    sigma = np.maximum(weighed.sigma, noise_of(_gaps(model.target - found.reading, roles.fit)))
     if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
         weighed = replace(weighed, sigma=sigma)
-        found = fit(weighed, free, found.x)
+        found = fit(weighed, found.free, found.x)
     return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw_left, noise, numerical)
+
+
+def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.ndarray]:
+    """A re-tuned model with as few steps as it bears."""
+    mean = max(1, int(1.0 / (record.step * machine.to_si["T"] * BAND)))
+    noise = noise_of(record.readings)
+    model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record))
+    roles = roles_of(model, machine.to_si["T"])
+    gains = tuple(i for i, c in enumerate(record.channels) if machine.channels.index(c) >= len(machine.joints))
+    weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
+    free = changes(machine, model.scales)
+    return weighed, fit(weighed, free, np.zeros(len(free))), roles, noise
 
 
 def _check(machine: Machine, record: Record) -> None:
@@ -81,6 +85,11 @@ def _check(machine: Machine, record: Record) -> None:
         known = record.readings[:, c][np.isfinite(record.readings[:, c])]
         if len(known) < 100 or np.ptp(known) == 0:
             raise BagError(f"The sensor of {name} reads the same all the time, or nothing: check it.")
+
+
+def _gaps(x: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Readings of a role, with NaN elsewhere, so that differences do not bridge its breaks."""
+    return np.where(part[:, None], x, np.nan)
 
 
 def _coarsest(machine: Machine, record: Record) -> int:

@@ -12,41 +12,43 @@ from .model import Model
 
 SHARES = {"fit": 0.5, "select": 0.25, "calibrate": 0.1, "report": 0.15}
 DEAD_S = 0.5  # between roles, less where a whole record is short
-DEAD_SHARE = 0.05
+DEAD_SHARE = 0.03
+CYCLE_S = 4.0  # in which each role has its turn, so that all see every kind of excitation
 
 
 @dataclass(frozen=True, slots=True)
 class Roles:
-    """Slices of the averaged readings of a record."""
+    """(n,) True where an averaged reading serves a role."""
 
-    fit: slice
-    select: slice
-    calibrate: slice
-    report: slice
+    fit: np.ndarray
+    select: np.ndarray
+    calibrate: np.ndarray
+    report: np.ndarray
 
 
 def roles_of(model: Model, seconds_per_t: float) -> Roles:
-    """Four parts of a record in order of time; the first readings, in which an unknown start is forgotten, belong to none.
+    """Turns of the four roles, with dead time after each; the first readings, in which an unknown start is forgotten, serve none.
 
     Raises:
         BagError: too short to be divided.
     """
     n = len(model.target)
     dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
-    begin = dead if not model.record.rest else min(dead // 4, n)
-    useful = n - begin - 3 * dead
-    if useful < 80:
-        raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
-    cuts, at = {}, begin
-    for name, share in SHARES.items():
-        stop = at + int(share * useful)
-        cuts[name] = slice(at, stop)
-        at = stop + dead
-    return Roles(**cuts)
+    begin = 0 if model.record.rest else dead
+    cycles = max(1, round((n - begin) * model.reading_step * seconds_per_t / CYCLE_S))
+    roles = {name: np.zeros(n, bool) for name in SHARES}
+    edges = np.linspace(begin, n, cycles + 1).astype(int)
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        useful, at = stop - start - len(SHARES) * dead, start
+        if useful * cycles < 80:
+            raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
+        for name, share in SHARES.items():
+            end = at + int(share * useful)
+            roles[name][at:end] = True
+            at = end + dead
+    return Roles(**roles)
 
 
-def mask(model: Model, part: slice) -> np.ndarray:
-    """(n, channels) True where a reading of a part exists."""
-    chosen = np.zeros(model.target.shape, bool)
-    chosen[part] = True
-    return chosen & np.isfinite(model.target)
+def mask(model: Model, part: np.ndarray) -> np.ndarray:
+    """(n, channels) True where a reading of a role exists."""
+    return part[:, None] & np.isfinite(model.target)

@@ -16,6 +16,7 @@ from .record import noise_of
 from .screen import Screen, screen
 
 SINGLES = 8  # names fitted for good
+ALL_FORMS = 3  # of these, in all their forms
 PAIRS = 5
 PAIRS_SEEN = 60  # pairs simulated
 MORE = 4
@@ -63,7 +64,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     seen = _look(weighed, base.fit, everything)
     report("singles")
     alone = _singles(weighed, base.fit, seen, everything)
-    state.tried += [refine(weighed, judged, start) for start in _first(alone, SINGLES)]
+    state.tried += [refine(weighed, judged, start) for start in _forms(alone)]
     for size in range(2, LARGEST + 1):
         state.floor = noise_floor(weighed, judged, state.best)
         excess = state.best.left - state.floor
@@ -98,6 +99,17 @@ def _first(found: Sequence[Start], count: int) -> list[Start]:
     return list(best.values())[:count]
 
 
+def _forms(found: Sequence[Start]) -> list[Start]:
+    """The first names, the very first in every form: all forms of a name come before a second name."""
+    first = _first(found, SINGLES)
+    every = {frozenset(c.name for c in s.effects) for s in first[:ALL_FORMS]}
+    best: dict[Candidate, Start] = {}
+    for start in sorted(found, key=lambda s: s.cost):
+        if frozenset(c.name for c in start.effects) in every:
+            best.setdefault(start.effects[0], start)
+    return [*best.values(), *first[ALL_FORMS:]]
+
+
 def _pairs(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alone: Sequence[Start]) -> list[Hypothesis]:
     """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted."""
     kept = [start.effects[0] for start in _first(alone, len(alone))]
@@ -124,7 +136,7 @@ def noise_floor(weighed: Weighed, judged: np.ndarray, best: Hypothesis) -> float
     """Mean square that the noise alone leaves on the judged readings: from differences of the best hypothesis' residual."""
     left = residual(weighed, best.fit)
     rows = judged.any(1)
-    return float(min(np.mean(noise_of(left[rows]) ** 2), best.left))
+    return float(min(np.mean(noise_of(np.where(rows[:, None], left, np.nan)) ** 2), best.left))
 
 
 def named(effects: Iterable[Candidate]) -> str:

@@ -18,6 +18,7 @@ from .search import Search
 SHARPNESS = 3.0  # log odds per factor e in what is left
 FORM_ERROR = 0.01  # of the gap: what laws of one name differ by
 ANOTHER_EFFECT = 3.3  # log odds against each effect beyond the first: it must leave a third
+ANOTHER_PLACE = 2.0  # log odds against each further joint of one effect
 ANOTHER_SIZE = 0.15  # log odds against each size
 UNKNOWN = 0.2  # of the gap: where names leave more, none of the library is right
 COVERAGE = 0.9  # of a set
@@ -45,7 +46,8 @@ def weigh(state: Search, count: int) -> list[Weight]:
     for h in state.by_names().values():
         left = max(h.left - state.floor, 0.0) / gap
         if left < 1.0:
-            price = ANOTHER_EFFECT * (len(h.effects) - 1) + ANOTHER_SIZE * h.sizes
+            places = sum(len(c.places) - 1 for c in h.effects)
+            price = ANOTHER_EFFECT * (len(h.effects) - 1) + ANOTHER_PLACE * places + ANOTHER_SIZE * h.sizes
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
     score = np.array([s for _, _, s in found])
     p = np.exp(score - score.max())
@@ -65,7 +67,7 @@ def credible(weights: Sequence[Weight]) -> list[Weight]:
 
 
 def better(worse: Iterable[float], best: Iterable[float]) -> float:
-    """t of the mean difference between two hypotheses over blocks: large where the second leaves less throughout."""
-    d = np.asarray(worse) - np.asarray(best)
+    """t of the mean log ratio of two hypotheses over blocks: large where the second leaves less throughout, strong blocks or weak."""
+    d = np.log(np.asarray(worse) / np.asarray(best))
     spread = d.std(ddof=1) / np.sqrt(len(d))
     return float(d.mean() / spread) if spread > 0 else 0.0
