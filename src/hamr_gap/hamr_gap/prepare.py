@@ -47,7 +47,7 @@ def prepare(machine: Machine, record: Record) -> Prepared:
     """
     _check(machine, record)
     # between samples a drive was smooth, or held: what fits better was the case
-    tried = [_tuned(machine, replace(record, held=held)) for held in (False, True)]
+    tried = [_tuned(machine, replace(record, held=held)) for held in ((False, True) if record.drives_per_reading == 1 else (True,))]
     weighed, found, roles, noise = min(tried, key=lambda t: t[1].cost)
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
@@ -96,7 +96,8 @@ def _coarsest(machine: Machine, record: Record) -> int:
     """Steps per sample with at least 40 of them in a period of the fastest joint."""
     rest = machine.at_rest
     fastest = max(machine.diagonal(rest.stiffness, j) / machine.diagonal(rest.mass, j) for j in range(len(machine.joints)))
-    return max(1, int(np.ceil(record.step * np.sqrt(max(fastest, 0.0)) * 40 / (2 * np.pi))))
+    wanted = record.step * np.sqrt(max(fastest, 0.0)) * 40 / (2 * np.pi)
+    return record.drives_per_reading * max(1, int(np.ceil(wanted / record.drives_per_reading)))
 
 
 def _moves(weighed: Weighed, found: Fit) -> float:

@@ -11,14 +11,17 @@ from scipy.interpolate import CubicSpline
 
 from hamr_description.errors import BagError
 
+JUMP = 3.0  # a step of the drive this many times the usual one and its neighbours is a jump
+
 
 @dataclass(frozen=True)
 class Record:
     """Measured samples of one machine in its own units.
 
     Attributes:
-        drives: (n, joints) U. readings: (n, channels), NaN where a sensor said nothing.
+        drives: (n * drives_per_reading, joints) U. readings: (n, channels), NaN where a sensor said nothing.
         step: T between samples. channels: names, as `Machine.channels` or some of them.
+        drives_per_reading: how many drives each sample has; more than one where the drive was recorded faster than the sensors.
         held: whether a drive holds until the next sample (True) or was sampled from a smooth signal.
         rest: whether the machine was at rest before the first sample.
     """
@@ -29,15 +32,16 @@ class Record:
     channels: tuple[str, ...]
     held: bool = False
     rest: bool = True
+    drives_per_reading: int = 1
 
     def __post_init__(self) -> None:
-        if len(self.drives) != len(self.readings):
+        if len(self.drives) != len(self.readings) * self.drives_per_reading:
             raise BagError(f"{len(self.drives)} drives but {len(self.readings)} readings: they must belong to the same times.")
         if not np.isfinite(self.drives).all():
             raise BagError("A drive is NaN or infinite: every sample needs one.")
 
     def __len__(self) -> int:
-        return len(self.drives)
+        return len(self.readings)
 
     @cached_property
     def span(self) -> float:
@@ -45,11 +49,10 @@ class Record:
         return len(self) * self.step
 
     def fine(self, substeps: int) -> np.ndarray:
-        """(n * substeps, joints) drives at the steps of a simulation, each the mean over its step."""
-        if self.held or substeps == 1:
-            return np.repeat(self.drives, substeps, axis=0)
-        curve = CubicSpline(np.arange(len(self)), self.drives, axis=0)
-        return curve(np.minimum((np.arange(len(self) * substeps) + 0.5) / substeps, len(self) - 1))
+        """(n * substeps, joints) drives at the steps of a simulation: in their middle, where smooth; held up to each jump."""
+        if self.held or substeps == 1 or self.drives_per_reading > 1:
+            return np.repeat(self.drives, substeps // self.drives_per_reading, axis=0)
+        return np.stack([_smooth(u, substeps) for u in self.drives.T], 1)
 
     def averaged(self, mean: int) -> np.ndarray:
         """(n // mean, channels) readings, means over `mean` samples each; NaN where one is missing."""
@@ -58,7 +61,21 @@ class Record:
 
     def cut(self, start: int, stop: int) -> Record:
         """Samples start to stop; not from rest unless from the beginning."""
-        return replace(self, drives=self.drives[start:stop], readings=self.readings[start:stop], rest=self.rest and start == 0)
+        per = self.drives_per_reading
+        return replace(self, drives=self.drives[start * per : stop * per], readings=self.readings[start:stop], rest=self.rest and start == 0)
+
+
+def _smooth(u: np.ndarray, substeps: int) -> np.ndarray:
+    """Cubic splines between the jumps of samples (n,), each piece held from its last sample to the jump."""
+    step = np.abs(np.diff(u))
+    beside = np.maximum(np.r_[step[1:], 0.0], np.r_[0.0, step[:-1]])  # a signal that is only fast has large neighbours too
+    jumps = np.flatnonzero((step > JUMP * np.sqrt(np.mean(step**2))) & (step > JUMP * beside)) + 1
+    fine = np.empty(len(u) * substeps)
+    for start, stop in zip([0, *jumps], [*jumps, len(u)], strict=True):
+        at = np.minimum((np.arange((stop - start) * substeps) + 0.5) / substeps, stop - start - 1)
+        piece = u[start:stop]
+        fine[start * substeps : stop * substeps] = CubicSpline(np.arange(len(piece)), piece)(at) if len(piece) > 1 else piece[0]
+    return fine
 
 
 def noise_of(x: np.ndarray) -> np.ndarray:
