@@ -15,7 +15,7 @@ setup(
     license=manifest.findtext("license"),
     maintainer=manifest.findtext("maintainer"),
     maintainer_email=manifest.find("maintainer").get("email"),
-    packages=find_packages(include=[f"{name}*"]),
+    packages=find_packages(include=[f"{name}*", "hidden_*"]),
     package_data={"": [f"**/*.{suffix}" for suffix in ("yaml", "json", "onnx", "npz", "md")]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),

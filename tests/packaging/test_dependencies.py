@@ -20,11 +20,14 @@ LAYERS = (
     "hamr_bags",
     "hamr_controller",
     "hamr_policy",
+    "hamr_gap",
     "hamr_bringup",
 )
 #: What nodes have in common lives there, so node files may import it from below; hamr_bags cannot declare so, as it is needed there itself.
 SHARED_BY_NODES = "hamr_controller"
-FILES = sorted(file for package in LAYERS for file in (SOURCE / package / package).rglob("*.py"))
+#: A second program beside hamr_gap's, its adversary.
+ADVERSARY = "hidden_gap"
+FILES = sorted(file for package in LAYERS for inside in (package, ADVERSARY) for file in (SOURCE / package / inside).rglob("*.py"))
 
 
 def imports(file: Path, *, at_start: bool = False) -> Iterator[str]:
@@ -62,6 +65,15 @@ def test_a_package_imports_only_lower_ones_and_declares_them(package):
         assert imported <= allowed, f"{file.name} imports {imported - allowed}"
         undeclared = imported - {package} - declared(package) - ({SHARED_BY_NODES} if package == "hamr_bags" else set())
         assert not undeclared, f"{file.name}: package.xml lacks {undeclared}"
+
+
+def test_the_adversary_of_the_gap_workflow_shares_no_dynamics_with_it():
+    files = sorted((SOURCE / "hamr_gap" / ADVERSARY).rglob("*.py"))
+    assert files
+    for file in files:
+        assert {name.split(".")[0] for name in imports(file)} & set(LAYERS) <= {"hamr_description", "hamr_bags"}, file.name
+    for file in (SOURCE / "hamr_gap" / "hamr_gap").rglob("*.py"):
+        assert not any(name.split(".")[0] == ADVERSARY for name in imports(file)), f"{file.name} must not know what hides"
 
 
 def test_declared_dependencies_have_no_cycle():
