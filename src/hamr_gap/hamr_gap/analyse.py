@@ -18,8 +18,8 @@ from .parameters import Candidate
 from .prepare import Prepared, prepare
 from .record import Record
 from .roles import mask
-from .search import Search, search
-from .si import si_of
+from .search import Search, noise_floor, search
+from .si import channel_si, si_of
 from .verdict import Answer, Estimate, Gap, NamedEffect, Verdict
 from .weigh import Weight, better, credible, weigh
 from .where import where
@@ -33,10 +33,18 @@ class Analysis:
     """A verdict and all that led to it, for reports."""
 
     prepared: Prepared
-    search: Search | None
+    search: Search
     weights: list[Weight]
     best: Hypothesis
     verdict: Verdict
+    evidence: tuple[float, float]
+
+    def left(self, part: np.ndarray) -> dict[str, float]:
+        """Mean squares, in units of the noise, that the re-tune and the best hypothesis leave on a role, and what noise alone leaves."""
+        weighed = self.prepared.weighed
+        rows = mask(weighed.model, part)
+        base, best = (judge(weighed, rows, (), h.fit).left for h in (self.prepared.base, self.best))
+        return {"base": base, "best": best, "floor": noise_floor(weighed, rows, judge(weighed, rows, (), self.best.fit))}
 
 
 def analyse(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None) -> Analysis:
@@ -49,26 +57,26 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     prepared = prepare(machine, record)
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
     weights = weigh(state, int(prepared.judged.sum()))
-    if not _significant(prepared, state):
+    evidence = _evidence(prepared, state)
+    enough = prepared.base.left - state.best.left > 0.25 * prepared.numerical**2 * prepared.weighed.model.mean
+    if not (enough and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED):
         verdict, best, chosen = _nothing(prepared), prepared.base, []
     else:
         chosen = credible(weights)
         best = next((w.hypothesis for w in weights if w.hypothesis is not None), state.best)
         verdict = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
     report("intervals")
-    return Analysis(prepared, state, weights, best, _state(verdict, prepared, state, chosen, best))
+    return Analysis(prepared, state, weights, best, _state(verdict, prepared, state, chosen, best), evidence)
 
 
-def _significant(prepared: Prepared, state: Search) -> bool:
-    """Whether some effect leaves less than the re-tune, throughout the readings it was selected on and on fresh ones."""
+def _evidence(prepared: Prepared, state: Search) -> tuple[float, float]:
+    """How surely some effect leaves less than the re-tune: t over blocks of the readings that selected it, and of fresh ones."""
     best = state.best
-    if not best.effects or better(prepared.base.blocks, best.blocks) < SIGNIFICANT:
-        return False
-    if prepared.base.left - best.left < prepared.numerical**2 * prepared.weighed.model.mean * 0.25:
-        return False
+    if not best.effects:
+        return 0.0, 0.0
     fresh = mask(prepared.weighed.model, prepared.roles.calibrate)
     again = [judge(prepared.weighed, fresh, h.effects, h.fit).blocks for h in (prepared.base, best)]
-    return better(*again) > CONFIRMED
+    return better(prepared.base.blocks, best.blocks), better(*again)
 
 
 def _nothing(prepared: Prepared) -> str:
@@ -84,17 +92,18 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
     model = prepared.weighed.model
     machine, record = model.machine, model.record
     answers = tuple(
-        Answer(_effects(prepared, w.hypothesis) if w.hypothesis else (), w.probability, w.left) for w in chosen
+        Answer(effects_of(prepared, w.hypothesis) if w.hypothesis else (), w.probability, w.left) for w in chosen
     )  # fmt: skip
     silent = {name: why for name in library() if (why := missing(name, machine, record.channels)) and why != "it is no name"}
     return Verdict(
-        machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=_changes(prepared, best.fit),
-        gap=_gap(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
+        machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
+        gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
         detectable={}, experiment=None, notes=(),
     )  # fmt: skip
 
 
-def _effects(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:
+def effects_of(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:
+    """A hypothesis' effects with their parameters in SI."""
     machine = prepared.weighed.model.machine
     bounds = dict(zip((f.row for f in h.fit.free), intervals(prepared.weighed, h.fit), strict=True))
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
@@ -115,7 +124,8 @@ def _effects(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:
     return tuple(effect(c) for c in h.effects)
 
 
-def _changes(prepared: Prepared, found: Fit) -> dict[str, dict[str, Estimate]]:
+def changes_of(prepared: Prepared, found: Fit) -> dict[str, dict[str, Estimate]]:
+    """A fit's parameter changes in SI."""
     machine, scales = prepared.weighed.model.machine, prepared.weighed.model.scales
     bounds = intervals(prepared.weighed, found)
     result: dict[str, dict[str, Estimate]] = {}
@@ -128,7 +138,7 @@ def _changes(prepared: Prepared, found: Fit) -> dict[str, dict[str, Estimate]]:
     return result
 
 
-def _gap(prepared: Prepared, best: Hypothesis) -> Gap:
+def gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
     """Gaps on the judged readings, in noise of one sample; per channel in SI."""
     weighed = prepared.weighed
     model, mean = weighed.model, weighed.model.mean
@@ -136,9 +146,11 @@ def _gap(prepared: Prepared, best: Hypothesis) -> Gap:
     three = {"raw": raw, "retuned": residual(weighed, prepared.base.fit), "after": residual(weighed, best.fit)}
     chosen = prepared.judged.any(1)
     totals = {name: float(np.sqrt(np.nanmean(x[chosen] ** 2) / mean)) for name, x in three.items()}
-    factor = model.machine.to_si["Q"]
     channels = {
-        channel: {name: float(np.sqrt(np.nanmean(x[chosen, c] ** 2)) * weighed.sigma[c] * factor) for name, x in three.items()}
+        channel: {
+            name: float(np.sqrt(np.nanmean(x[chosen, c] ** 2)) * weighed.sigma[c] * channel_si(model.machine, channel)[0])
+            for name, x in three.items()
+        }
         for c, channel in enumerate(model.record.channels)
     }
     return Gap(**totals, floor=float(np.hypot(1.0, prepared.numerical)), per_channel=channels)

@@ -16,9 +16,9 @@ from .hypothesis import Hypothesis
 from .search import Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left
-FORM_ERROR = 0.01  # of the gap: what laws of one name differ by
+FORM_ERROR = 0.003  # of the gap: what laws of one name differ by
 ANOTHER_EFFECT = 3.3  # log odds against each effect beyond the first: it must leave a third
-ANOTHER_PLACE = 2.0  # log odds against each further joint of one effect
+ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 ANOTHER_SIZE = 0.15  # log odds against each size
 UNKNOWN = 0.2  # of the gap: where names leave more, none of the library is right
 COVERAGE = 0.9  # of a set

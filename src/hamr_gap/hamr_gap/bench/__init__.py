@@ -1,0 +1,1 @@
+"""`hamr gap bench`: hidden effects drawn by a separate program, found blind, and scored."""

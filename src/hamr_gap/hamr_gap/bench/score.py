@@ -1,0 +1,109 @@
+"""From answers and verdicts to scores with 95 % intervals."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import binomtest
+
+from ..weigh import COVERAGE
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A case: its answer, the verdict and how they agree."""
+
+    name: int
+    group: str
+    truth: frozenset
+    kind: str
+    verdict: str
+    first: frozenset | None
+    answers: tuple[frozenset | None, ...]
+    confident: bool
+    result: dict
+    answer: dict
+
+    @property
+    def exact(self) -> bool:
+        """The first answer has the right families at the right places."""
+        return self.verdict in ("named", "ambiguous") and self.first == self.truth
+
+    @property
+    def covered(self) -> bool:
+        """The credible set holds the right answer."""
+        return self.truth in self.answers
+
+
+def names(effects: Iterable) -> frozenset:
+    """Families and places."""
+    return frozenset((effect, tuple(sorted(joints))) for effect, _, joints in effects)
+
+
+def scored(folder: Path, name: int, verdicts: str = "verdicts") -> Scored:
+    """One case."""
+    answer = json.loads((folder / "answers" / f"{name}.json").read_text())
+    result = json.loads((folder / verdicts / f"{name}.json").read_text())
+    truth = frozenset((e["family"], tuple(sorted(e["joints"]))) for e in answer["effects"])
+    chosen, total = [], 0.0
+    for w in result["weights"]:
+        chosen.append(None if w["effects"] is None else names(w["effects"]))
+        total += w["probability"]
+        if total >= COVERAGE:
+            break
+    found = result["verdict"] in ("named", "ambiguous", "unknown")
+    return Scored(
+        name, answer["group"], truth, answer["noise_kind"] if not answer["changes"] else "changes", result["verdict"],
+        chosen[0] if found and chosen else None, tuple(chosen) if found else (), found and len(chosen) == 1, result, answer,
+    )  # fmt: skip
+
+
+def rate(hits: Iterable[bool]) -> str:
+    """A share with its Clopper-Pearson interval."""
+    hits = list(hits)
+    if not hits:
+        return "-"
+    interval = binomtest(sum(hits), len(hits)).proportion_ci(0.95, "exact")
+    return f"{100 * np.mean(hits):.0f} % ({100 * interval.low:.0f}..{100 * interval.high:.0f}, n = {len(hits)})"
+
+
+def table(cases: Iterable[Scored]) -> list[tuple[str, str]]:
+    """Rows of the scoreboard."""
+    cases = list(cases)
+    of = {group: [c for c in cases if c.group == group] for group in ("single", "pair", "triple", "null", "outside", "twins")}
+    known = [*of["single"], *of["pair"], *of["triple"]]
+    sets = [c for c in known if c.answers]
+    rows = [
+        ("singles: exact name and place", rate(c.exact for c in of["single"])),
+        ("singles: right name, any place", rate(bool(c.first) and {n for n, _ in c.first} == {n for n, _ in c.truth} for c in of["single"])),
+        ("pairs: exact", rate(c.exact for c in of["pair"])),
+        ("triples: exact", rate(c.exact for c in of["triple"])),
+        ("nulls: false alarms", rate(c.verdict in ("named", "ambiguous", "unknown") for c in of["null"])),
+        ("nulls with changes alone: called parameters_only", rate(c.verdict == "parameters_only" for c in of["null"] if c.answer["changes"])),
+        ("outside the library: called unknown", rate(c.verdict == "unknown" for c in of["outside"])),
+        ("outside the library: confident and wrong", rate(c.verdict == "named" for c in of["outside"])),
+        ("known ones called unknown", rate(c.verdict == "unknown" for c in known)),
+        ("known ones: confident and wrong", rate(c.verdict == "named" and not c.exact for c in known)),
+        ("known ones missed (no gap, or parameters only)", rate(c.verdict in ("no_significant_gap", "parameters_only") for c in known)),
+        ("90 % sets hold the answer", rate(c.covered for c in sets)),
+        ("mean size of sets", f"{np.mean([len(c.answers) for c in sets]):.2f}" if sets else "-"),
+    ]
+    shrunk = [closed(c) for c in known if closed(c) is not None]
+    if shrunk:
+        rows.append(("share of the gap closed on untouched readings: median, 10th percentile",
+                     f"{np.median(shrunk):.3f}, {np.percentile(shrunk, 10):.3f}"))  # fmt: skip
+    seconds = [c.result["seconds"] for c in cases]
+    rows.append(("processor seconds: median, 90th percentile", f"{np.median(seconds):.1f}, {np.percentile(seconds, 90):.1f}"))
+    return rows
+
+
+def closed(case: Scored) -> float | None:
+    """Mean square removed by the first answer over what the re-tune leaves above the noise, on the readings of role `report`."""
+    if not case.first or "report" not in case.result:
+        return None
+    base, best, floor = (case.result["report"][k] for k in ("base", "best", "floor"))
+    return float((base - best) / (base - floor)) if base > 1.5 * floor else None
