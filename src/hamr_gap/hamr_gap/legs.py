@@ -18,7 +18,7 @@ from .record import Record
 
 
 class Measured(Protocol):
-    """What `hamr_bags.reader.load` gives; SI, one column a joint."""
+    """What `measured.read` gives, and `hamr_bags.reader.load`; SI, one column a joint."""
 
     voltages: np.ndarray
     angles: np.ndarray
@@ -48,7 +48,8 @@ def record_of(measured: Measured, leg: str, joints: Sequence[str] = JOINTS) -> R
     if measured.deflections is not None:
         readings.append(length_from_si(measured.deflections[:, columns]) * MIRROR[leg][1])
         channels += [f"{name}_actuator" for name in channels]
-    return Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels))
+    per = len(measured.voltages) // len(measured.angles)
+    return Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels), drives_per_reading=per)
 
 
 def legs(measured: Measured, backend: str) -> list[Leg]:

@@ -1,0 +1,26 @@
+"""A law that is not in the library, as a table: force over angle and rate, or drive over drive, at the joint where it explains most."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hamr_dynamics.effects.library import library
+
+from .hypothesis import Hypothesis, refine, residual, starts
+from .parameters import Candidate
+from .prepare import Prepared
+from .screen import screen
+
+TABLE = "force_table"
+FITTED = 2  # tables fitted for good
+
+
+def fit_table(prepared: Prepared) -> Hypothesis:
+    """The table that leaves least of the gap on the judged readings."""
+    weighed, base = prepared.weighed, prepared.base.fit
+    joints = range(len(weighed.model.machine.joints))
+    tables = [Candidate(TABLE, form.name, (j,)) for form in library()[TABLE].forms for j in joints]
+    amplitude = float(np.sqrt(np.mean(residual(weighed, base)[weighed.chosen] ** 2)))
+    seen = screen(weighed, base, tables, amplitude=amplitude)
+    first = sorted(starts(weighed, base, seen, [((c,), s) for c in tables for s in seen.best(c)]), key=lambda s: s.cost)
+    return min((refine(weighed, prepared.judged, start) for start in first[:FITTED]), key=lambda h: h.left)
