@@ -82,10 +82,21 @@ def simulate(
     Returns:
         (K, readings, channels).
     """
-    lanes = len(parameters)
-    blocks = -(-lanes // LANES)
     if samples is None:
         samples = len(drives) // (substeps * mean)
+    return _run(machine, drives, parameters, step, substeps, mean, first, start, samples)[0]
+
+
+def final_states(
+    machine: Machine, drives: np.ndarray, parameters: np.ndarray, *, step: float, steps: int, first: np.ndarray, start: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """(K, states) after a number of steps of K lanes; arguments as for `simulate`."""
+    return _run(machine, drives, parameters, step, 1, 1, first, start, steps)[1]
+
+
+def _run(machine, drives, parameters, step, substeps, mean, first, start, samples) -> tuple[np.ndarray, np.ndarray]:
+    lanes = len(parameters)
+    blocks = -(-lanes // LANES)
     param = _blocks(np.asarray(parameters, float), blocks)
     row = machine.parameter_rows.index("step")
     param[:, row * LANES : (row + 1) * LANES] = step
@@ -97,8 +108,13 @@ def simulate(
     module(machine).run(
         np.ascontiguousarray(drives, float), at.reshape(blocks, LANES), _blocks(begin, blocks), param, substeps, mean, mean, seen, end
     )
-    by_lane = seen.reshape(blocks, samples, len(machine.channels), LANES).transpose(0, 3, 1, 2)
-    return by_lane.reshape(-1, samples, len(machine.channels))[:lanes]
+    return _lanes(seen, samples, len(machine.channels), lanes), _lanes(end, 1, len(machine.state_rows), lanes)[:, 0]
+
+
+def _lanes(x: np.ndarray, samples: int, width: int, lanes: int) -> np.ndarray:
+    """(blocks, samples * width * LANES) -> (lanes, samples, width)."""
+    by_lane = x.reshape(len(x), samples, width, LANES).transpose(0, 3, 1, 2)
+    return by_lane.reshape(-1, samples, width)[:lanes]
 
 
 def _blocks(x: np.ndarray, blocks: int) -> np.ndarray:

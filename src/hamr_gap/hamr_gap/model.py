@@ -1,4 +1,4 @@
-"""A machine under a record's drives: free runs of many parameter sets, as the record's sensors would have read them."""
+"""A machine under a record's drives: runs of many parameter sets, as the record's sensors would have read them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from hamr_dynamics.effects.law import Scales
 from hamr_dynamics.machine import Machine
 
 from .parameters import Free, lanes
+from .pieces import Pieces, pieces_of
 from .record import Record
 
 BAND = 1000.0  # readings a second that are kept: what HAMR's legs do is slower
@@ -23,8 +24,9 @@ class Model:
 
     Attributes:
         substeps: steps per sample. mean: samples averaged into one reading.
-        scales: what is usual on this machine. target: (n, channels) averaged readings.
-        own: indices of the record's channels among the machine's.
+        scales: what is usual on this machine. piece: T of a piece, 0 for what suits the machine.
+        target: (n, channels) averaged readings. own: indices of the record's channels among the machine's.
+        pieces: parts that start anew, None for one free run from rest.
     """
 
     machine: Machine
@@ -32,17 +34,25 @@ class Model:
     substeps: int
     mean: int
     scales: Scales
+    piece: float = 0.0
+    pieces: Pieces | None = field(init=False)
     target: np.ndarray = field(init=False)
     own: list[int] = field(init=False)
     drives: np.ndarray = field(init=False)
     neutral: np.ndarray = field(init=False)
-    start: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         self.target = self.record.averaged(self.mean)
         self.own = [self.machine.channels.index(name) for name in self.record.channels]
         self.drives = self.record.fine(self.substeps)
         self.neutral = self.machine.neutral(self.scales)
+        self.pieces = pieces_of(self.machine, self.record, self.mean, self.piece)
+        if self.pieces is not None:
+            # a piece's first and last reading serve nothing: their slopes reach into its neighbours
+            served = np.zeros(len(self.target), bool)
+            for start, stop in zip(self.pieces.first, self.pieces.stop, strict=True):
+                served[start + 1 : stop - 1] = True
+            self.target = np.where(served[:, None], self.target, np.nan)
 
     @property
     def reading_step(self) -> float:
@@ -59,11 +69,48 @@ class Model:
 
     def run_rows(self, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, rows) lane parameters; the first `samples` readings if said."""
+        samples, step = samples or len(self.target), self.record.step / self.substeps
+        if self.pieces is not None:
+            return self._piecewise(self.pieces, rows, samples, step)
         y = machine_kernel.simulate(
-            self.machine, self.drives, rows, step=self.record.step / self.substeps, substeps=self.substeps, mean=self.mean,
-            start=self.start, samples=samples or len(self.target),
+            self.machine, self.drives, rows, step=step, substeps=self.substeps, mean=self.mean, samples=samples
         )  # fmt: skip
         return y[:, :, self.own]
+
+    def _piecewise(self, pieces: Pieces, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
+        """As `run_rows`, every piece in a lane of its own; zero where there is none."""
+        chosen = np.flatnonzero(pieces.first < samples)
+        first, stop = pieces.first[chosen], np.minimum(pieces.stop[chosen], samples)
+        longest, steps = int((stop - first).max()), self.mean * self.substeps
+        drives = np.concatenate([self.drives, np.repeat(self.drives[-1:], longest * steps, axis=0)])  # short pieces run on
+        param = np.repeat(rows, len(chosen), axis=0)
+        state = self._started(pieces, chosen, drives, param, step)
+        y = machine_kernel.simulate(
+            self.machine, drives, param, step=step, substeps=self.substeps, mean=self.mean, samples=longest,
+            first=np.tile(first * steps, len(rows)), start=state,
+        )  # fmt: skip
+        y = y.reshape(len(rows), len(chosen), longest, -1)
+        whole = np.zeros((len(rows), samples, y.shape[-1]))
+        for k, (a, b) in enumerate(zip(first, stop, strict=True)):
+            whole[:, a:b] = y[:, k, : b - a]
+        return whole[:, :, self.own]
+
+    def _started(self, pieces: Pieces, chosen: np.ndarray, drives: np.ndarray, param: np.ndarray, step: float) -> np.ndarray:
+        """(K * S, states) at the starts of the chosen pieces: coordinates and rates as measured, the rest as a run-in leaves it."""
+        sets, steps = len(param) // len(chosen), self.mean * self.substeps
+        first, lead = pieces.first[chosen], pieces.lead[chosen]
+        motion, time = slice(0, pieces.start.shape[1]), self.machine.state_rows.index("time")
+        state = np.zeros((len(chosen), len(self.machine.state_rows)))
+        state[:, motion], state[:, time] = pieces.before[chosen], (first - lead) * self.reading_step
+        state = np.tile(state, (sets, 1))
+        led = np.flatnonzero(np.tile(lead > 0, sets))
+        if len(led):
+            state[led] = machine_kernel.final_states(
+                self.machine, drives, param[led], step=step, steps=int(lead.max()) * steps,
+                first=np.tile((first - lead) * steps, sets)[led], start=state[led],
+            )  # fmt: skip
+        state[:, motion] = np.tile(pieces.start[chosen], (sets, 1))
+        return state
 
 
 def scales_of(machine: Machine, record: Record) -> Scales:
@@ -73,7 +120,8 @@ def scales_of(machine: Machine, record: Record) -> Scales:
     q = record.readings[:, columns] - np.nanmean(record.readings[:, columns], axis=0)
     smooth = np.stack([np.convolve(np.nan_to_num(c), np.ones(5) / 5, "valid") for c in q.T], 1)
     coordinate = float(np.sqrt(np.mean(smooth**2)))
-    rate = float(np.sqrt(np.mean(np.diff(smooth, axis=0) ** 2))) / record.step
+    within = np.delete(np.diff(smooth, axis=0), [b - 4 + i for b in record.breaks for i in range(5)], axis=0)
+    rate = float(np.sqrt(np.mean(within**2))) / record.step
     drive = float(np.sqrt(np.mean((record.drives - record.drives.mean(0)) ** 2)))
     zero = (0.0,) * n
     force = np.sqrt(np.mean(np.square(machine.terms(zero, zero, zero, (drive,) * n).drive)))

@@ -23,7 +23,8 @@ class Record:
         step: T between samples. channels: names, as `Machine.channels` or some of them.
         drives_per_reading: how many drives each sample has; more than one where the drive was recorded faster than the sensors.
         held: whether a drive holds until the next sample (True) or was sampled from a smooth signal.
-        rest: whether the machine was at rest before the first sample.
+        rest: whether the machine was at rest before the first sample of each stretch.
+        breaks: indices at which a new stretch begins, recorded at another time.
     """
 
     drives: np.ndarray
@@ -33,6 +34,7 @@ class Record:
     held: bool = False
     rest: bool = True
     drives_per_reading: int = 1
+    breaks: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.drives) != len(self.readings) * self.drives_per_reading:
@@ -48,11 +50,18 @@ class Record:
         """Duration, T."""
         return len(self) * self.step
 
+    @property
+    def stretches(self) -> list[tuple[int, int]]:
+        """Start and stop of each part without a break."""
+        edges = (0, *self.breaks, len(self))
+        return list(zip(edges[:-1], edges[1:], strict=True))
+
     def fine(self, substeps: int) -> np.ndarray:
         """(n * substeps, joints) drives at the steps of a simulation: in their middle, where smooth; held up to each jump."""
         if self.held or substeps == 1 or self.drives_per_reading > 1:
             return np.repeat(self.drives, substeps // self.drives_per_reading, axis=0)
-        return np.stack([_smooth(u, substeps) for u in self.drives.T], 1)
+        parts = [self.drives[start:stop] for start, stop in self.stretches]
+        return np.concatenate([np.stack([_smooth(u, substeps) for u in part.T], 1) for part in parts])
 
     def averaged(self, mean: int) -> np.ndarray:
         """(n // mean, channels) readings, means over `mean` samples each; NaN where one is missing."""
@@ -62,7 +71,28 @@ class Record:
     def cut(self, start: int, stop: int) -> Record:
         """Samples start to stop; not from rest unless from the beginning."""
         per = self.drives_per_reading
-        return replace(self, drives=self.drives[start * per : stop * per], readings=self.readings[start:stop], rest=self.rest and start == 0)
+        return replace(
+            self, drives=self.drives[start * per : stop * per], readings=self.readings[start:stop],
+            rest=self.rest and start == 0, breaks=tuple(b - start for b in self.breaks if start < b < stop),
+        )  # fmt: skip
+
+
+def joined(records: Sequence[Record]) -> Record:
+    """Several records of one machine as one, in stretches; from rest if all are.
+
+    Raises:
+        BagError: they differ in step or channels.
+    """
+    first = records[0]
+    for other in records[1:]:
+        if other.channels != first.channels or not np.isclose(other.step, first.step, rtol=1e-4):
+            raise BagError("Records of one machine must have the same sensors and the same time step: resample them or leave one out.")
+    starts = np.cumsum([0, *(len(r) for r in records)])
+    breaks = tuple(int(b + start) for r, start in zip(records, starts, strict=False) for b in (0, *r.breaks) if b + start)
+    return replace(
+        first, drives=np.concatenate([r.drives for r in records]), readings=np.concatenate([r.readings for r in records]),
+        rest=all(r.rest for r in records), breaks=breaks,
+    )  # fmt: skip
 
 
 def _smooth(u: np.ndarray, substeps: int) -> np.ndarray:
@@ -81,7 +111,8 @@ def _smooth(u: np.ndarray, substeps: int) -> np.ndarray:
 def noise_of(x: np.ndarray) -> np.ndarray:
     """(channels,) standard deviation of white noise in (n, channels) samples of smooth signals, from differences.
 
-    Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the least over the orders is taken.
+    Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the least over the orders is taken, but no
+    less than the rounding of a sensor with steps, which looks free of noise where it rests on one of them.
     """
     best = np.full(x.shape[1], np.inf)
     for order in range(1, 9):
@@ -90,4 +121,15 @@ def noise_of(x: np.ndarray) -> np.ndarray:
         if len(d) < 30:
             break
         best = np.minimum(best, 1.4826 * np.median(np.abs(d), axis=0) / np.sqrt(comb(2 * order, order)))
-    return best
+    return np.maximum(best, [rounding(column) for column in x.T])
+
+
+def rounding(x: np.ndarray) -> float:
+    """Standard deviation of the rounding of (n,) samples, zero where they are no multiples of a step."""
+    levels = np.unique(x[np.isfinite(x)])
+    steps = np.diff(levels)
+    steps = steps[steps > 1e-9 * np.ptp(levels)] if len(levels) > 1 else steps  # decimals differ in their last bits
+    if not len(steps):
+        return 0.0
+    count = steps / steps.min()
+    return float(steps.min() / np.sqrt(12)) if np.median(np.abs(count - np.round(count))) < 0.01 else 0.0

@@ -9,11 +9,13 @@ import numpy as np
 from hamr_description.errors import BagError
 
 from .model import Model
+from .pieces import Pieces
 
 SHARES = {"fit": 0.5, "select": 0.25, "calibrate": 0.1, "report": 0.15}
 DEAD_S = 0.5  # between roles, less where a whole record is short
 DEAD_SHARE = 0.03
 CYCLE_S = 4.0  # in which each role has its turn, so that all see every kind of excitation
+TURNS = ("fit", "fit", "select", "fit", "report", "fit", "select", "calibrate")  # of whole pieces
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,8 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
     """
     n = len(model.target)
     dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
+    if model.pieces is not None and len(model.pieces) >= len(TURNS):
+        return _by_piece(model.pieces, n, dead)
     begin = 0 if model.record.rest else dead
     cycles = max(1, round((n - begin) * model.reading_step * seconds_per_t / CYCLE_S))
     roles = {name: np.zeros(n, bool) for name in SHARES}
@@ -46,6 +50,24 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
             end = at + int(share * useful)
             roles[name][at:end] = True
             at = end + dead
+    for start in () if model.pieces is None or model.record.rest else model.pieces.first:
+        for part in roles.values():
+            part[start : start + dead] = False
+    return Roles(**roles)
+
+
+def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:
+    """Whole pieces, several where they are short, with dead time at the beginning of each turn, where a piece has little to say."""
+    roles = {name: np.zeros(n, bool) for name in SHARES}
+    usual = float(np.median(pieces.stop - pieces.first))
+    together = max(1, min(int(np.ceil(2 * dead / usual)), len(pieces) // len(TURNS)))
+    dead = int(min(dead, 0.5 * together * usual))
+    fresh, before = 0, TURNS[0]
+    for k, (start, stop) in enumerate(zip(pieces.first, pieces.stop, strict=True)):
+        name = TURNS[k // together % len(TURNS)]
+        if name != before:
+            fresh, before = start + dead, name
+        roles[name][max(start, fresh) : stop] = True
     return Roles(**roles)
 
 

@@ -1,0 +1,136 @@
+"""Which parts of a record are simulated each from a start of its own, and where they start.
+
+A machine that forgets its start runs freely through a whole record. One that does not (no spring, or hardly a damper) would carry every
+error to the end: it runs in pieces, each started from what was measured there. The states inside effects (a lag, a bristle) are those
+after a short run-in before the piece, at whose end coordinates and rates are set to the measured ones again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hamr_dynamics.machine import Machine
+
+from .record import Record, noise_of
+
+FORGETS = 0.1  # of a record: a machine whose slowest decay takes longer runs in pieces
+SECONDS = 1.0  # of a piece, of a machine that says nothing about it
+MANY = 16  # pieces there should be
+FEWEST = 40  # readings of a piece
+RUN_IN = 0.2  # of a piece
+ORDER = 3  # of the local polynomials
+WIDTHS = (3, 5, 8, 12, 18, 27, 40, 60, 90, 135, 200)  # samples on either side
+AGREE = 3.0  # standard deviations within which a wide window agrees with all narrower ones
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Parts of a record, in readings.
+
+    Attributes:
+        first, stop: (S,) readings first to stop. lead: (S,) readings of run-in before them, the same for all, or none from rest.
+        before, start: (S, 2 joints) coordinates and rates at the start of the run-in and of the piece.
+    """
+
+    first: np.ndarray
+    stop: np.ndarray
+    lead: np.ndarray
+    before: np.ndarray
+    start: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+
+def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) -> Pieces | None:
+    """The parts in which a machine runs through a record, or None for one free run from rest.
+
+    Args:
+        mean: samples averaged into one reading. length: T of a piece if the machine is not to choose.
+    """
+    slow, usual = _memory(machine)
+    if not length and slow <= FORGETS * record.span:
+        if len(record.stretches) == 1 and (record.rest or slow <= FORGETS**2 * record.span):
+            return None
+        length = record.span
+    elif not length:
+        length = np.clip(usual, FEWEST * mean * record.step, max(record.span / MANY, FEWEST * mean * record.step))
+    shortest = min(stop - start for start, stop in record.stretches) // mean
+    readings = max(1, min(round(length / (record.step * mean)), int(shortest / (1.0 + RUN_IN))))
+    parts = [part for start, stop in record.stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
+    first, stop, lead = np.array(parts, int).reshape(-1, 3).T
+    still = record.rest & np.isin(first, [-(-start // mean) for start, _ in record.stretches])
+    before, start = (np.where(still[:, None], 0.0, moving(machine, record, at * mean)) for at in (first - lead, first))
+    return Pieces(first, stop, lead, before, start)
+
+
+def _memory(machine: Machine) -> tuple[float, float]:
+    """T of the slowest decay of the machine's own linear motion (infinite without a spring), and the length of a telling piece:
+    four periods of what swings, else twice the slowest decay there is."""
+    rest, n = machine.at_rest, len(machine.joints)
+    mass, stiffness, damping = (_square(m, n) for m in (rest.mass, rest.stiffness, rest.damping))
+    inverse = np.linalg.inv(mass)
+    system = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ stiffness, -inverse @ damping]])
+    roots = np.linalg.eigvals(system)
+    decay, swing = -roots.real, np.abs(roots.imag)
+    lost = 1e-9 * max(np.abs(roots).max(), 1e-300)
+    slow = 1.0 / decay.min() if decay.min() > lost else np.inf
+    if swing.max() > lost:
+        return slow, 8.0 * np.pi / swing[swing > lost].min()
+    usual = 2.0 / decay[decay > lost].min() if decay.max() > lost else SECONDS / machine.to_si["T"]
+    return slow, usual
+
+
+def _square(entries: tuple, n: int) -> np.ndarray:
+    x = np.array(entries, float)
+    return x.reshape(1, 1) if n == 1 else np.array([[x[0], x[1]], [x[1], x[2]]])
+
+
+def _parts(begin: int, end: int, readings: int, rest: bool) -> list[tuple[int, int, int]]:
+    """(first, stop, run-in) of about equal parts of a stretch."""
+    lead = int(RUN_IN * readings)
+    start = begin if rest else begin + lead
+    edges = np.linspace(start, end, max(1, round((end - start) / readings)) + 1).astype(int)
+    return [(a, b, 0 if a == begin else lead) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+
+def moving(machine: Machine, record: Record, samples: np.ndarray) -> np.ndarray:
+    """(S, 2 joints) coordinates and rates at some samples, from polynomials through the readings about them.
+
+    Of windows of growing width the widest is taken that still agrees with every narrower one: noise wants wide ones, curves narrow ones.
+    """
+    n = len(machine.joints)
+    found = np.zeros((len(samples), 2 * n))
+    noise = noise_of(record.readings)
+    for j, name in enumerate(machine.channels[:n]):
+        if name not in record.channels:
+            continue  # nobody looks: at rest is the best guess
+        c = record.channels.index(name)
+        for i, at in enumerate(samples):
+            start, stop = next((a, b) for a, b in record.stretches if a <= at < b or at == b == len(record))
+            found[i, [j, n + j]] = _local(record.readings[start:stop, c], at - start, noise[c], record.step)
+    return found
+
+
+def _local(y: np.ndarray, at: int, noise: float, step: float) -> np.ndarray:
+    """Value and slope of samples y at an index."""
+    best, low, high = np.zeros(2), np.full(2, -np.inf), np.full(2, np.inf)
+    open_ = np.ones(2, bool)
+    for width in WIDTHS:
+        a, b = max(0, at - width), min(len(y), at + width + 1)
+        known = np.isfinite(y[a:b])
+        if known.sum() <= ORDER + 1:
+            continue
+        # about the middle of the window and in its units, so that powers stay apart
+        basis = np.vander((np.arange(a, b)[known] - at) / width, ORDER + 1, increasing=True)
+        scale = np.array([1.0, 1.0 / (width * step)])
+        value = np.linalg.lstsq(basis, y[a:b][known], rcond=None)[0][:2] * scale
+        sd = noise * np.sqrt(np.diag(np.linalg.inv(basis.T @ basis))[:2]) * scale
+        low, high = np.maximum(low, value - AGREE * sd), np.minimum(high, value + AGREE * sd)
+        open_ &= low <= high
+        best = np.where(open_, value, best)
+        if not open_.any():
+            break
+    return best
