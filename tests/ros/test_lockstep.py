@@ -25,7 +25,7 @@ def test_a_state_that_gets_lost_is_sent_again_and_no_period_goes_unanswered(grap
 
     def answer_second_copies() -> bool:
         for state in observer.heard[Topic.JOINT_STATES]:
-            if heard.count(ns(state.header.stamp)) == 1:
+            if ns(state.header.stamp) in heard:  # this is no first copy; an answer may get lost as well
                 targets = JointState(header=state.header, name=list(JOINTS), position=[0.1] * 8)
                 publisher.publish(targets)
                 publisher.publish(targets)  # an answer sent twice does no harm either
