@@ -17,7 +17,7 @@ from .simulate import play
 
 #: Steps of the search and of what has no stiff law, ms; how near the strength is good enough in the search and at the end.
 COARSE, FINE, NEAR, CLOSE = 0.05, 0.025, 0.03, 0.05
-TRIALS, FINAL_TRIALS, FINAL_STEPS = 10, 4, 4
+TRIALS, FINAL_TRIALS, FINAL_STEPS = 10, 4, 2
 NOTHING = -3.0  # log of a share of the strength below which a law does not act at all: secants tell nothing
 
 

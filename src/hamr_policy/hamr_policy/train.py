@@ -121,7 +121,7 @@ def ppo(settings: Settings, env: HamrVecEnv) -> PPO:
         "activation_fn": torch.nn.ELU, "log_std_init": settings.log_std,
     }  # fmt: skip
     return PPO(
-        "MlpPolicy", env, learning_rate=lambda remaining: settings.learning_rate * remaining, n_steps=settings.rollout,
+        "MlpPolicy", env, learning_rate=lambda remaining: settings.learning_rate * max(0.0, remaining), n_steps=settings.rollout,
         batch_size=settings.batch, n_epochs=settings.epochs, gamma=settings.gamma, gae_lambda=settings.gae_lambda,
         stats_window_size=settings.robots * settings.rollout, policy_kwargs=network, seed=settings.seed, device="cpu",
     )  # fmt: skip
