@@ -16,6 +16,7 @@ from .model import Model
 from .parameters import Free
 
 TRIALS = np.array([1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007])
+DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
 DELTA = 1e-3  # of a parameter's prior, for differences
 
 
@@ -24,21 +25,26 @@ class Sensors:
     """The linear part: reading = (1 + gain) y + bias - shift dy/dt.
 
     Attributes:
-        bias, gain: (channels,). shift: T.
+        bias, gain: (channels,). shift: T. starts: readings from which runs start as measured: there a shift of clocks moves nothing.
     """
 
     bias: np.ndarray
     gain: np.ndarray
     shift: float
+    starts: tuple[int, ...] = ()
 
     def read(self, y: np.ndarray, step: float) -> np.ndarray:
         """(n, channels) readings of a run (n, channels)."""
-        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step)
+        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step, self.starts)
 
 
-def slope(y: np.ndarray, step: float) -> np.ndarray:
-    """(n, channels) time derivative of (n, channels)."""
-    return np.gradient(y, step, axis=0)
+def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+    """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
+    found = np.gradient(y, step, axis=-2)
+    inside = [start for start in starts if start + 1 < y.shape[-2]]
+    for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
+        found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step
+    return found
 
 
 @dataclass(frozen=True)
@@ -86,14 +92,26 @@ class Weighed:
         return (y[..., : self.until, :] / self.sigma)[..., self.chosen[: self.until]]
 
     @property
+    def starts(self) -> tuple[int, ...]:
+        """Readings from which runs start as measured."""
+        pieces = self.model.pieces
+        return () if pieces is None or pieces.forgotten else tuple(int(x) for x in pieces.first)
+
+    @property
+    def biased(self) -> tuple[int, ...]:
+        """Channels whose bias is free: not those of joints that start as measured, each time anew."""
+        joints = len(self.model.machine.joints) if self.starts else 0
+        return tuple(c for c, own in enumerate(self.model.own) if own >= joints)
+
+    @property
     def sensor_count(self) -> int:
         """Columns of `sensor_columns`."""
-        return len(self.sigma) + len(self.gains) + 1
+        return len(self.biased) + len(self.gains) + 1
 
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
         """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part."""
         columns = []
-        for c in range(run.shape[1]):
+        for c in self.biased:
             bias = np.zeros_like(run)
             bias[:, c] = self.sigma[c]  # in units of noise, so that columns are alike in size
             columns.append(bias)
@@ -101,15 +119,16 @@ class Weighed:
             gain = np.zeros_like(run)
             gain[:, c] = run[:, c]
             columns.append(gain)
-        columns.append(-slope(run, self.model.reading_step) * self.model.reading_step)
+        columns.append(-slope(run, self.model.reading_step, self.starts) * self.model.reading_step)
         return self.vector(np.stack(columns)).T
 
     def sensors(self, s: np.ndarray) -> Sensors:
         """Sensors of the coefficients of `sensor_columns`."""
-        n = len(self.sigma)
-        gain = np.zeros(n)
-        gain[list(self.gains)] = s[n:-1]
-        return Sensors(s[:n] * self.sigma, gain, float(s[-1]) * self.model.reading_step)
+        bias, gain = np.zeros(len(self.sigma)), np.zeros(len(self.sigma))
+        biased, gains = list(self.biased), list(self.gains)
+        bias[biased] = s[: len(biased)] * self.sigma[biased]
+        gain[gains] = s[len(biased) : -1]
+        return Sensors(bias, gain, float(s[-1]) * self.model.reading_step, self.starts)
 
     def solve_sensors(self, run: np.ndarray) -> tuple[np.ndarray, float]:
         """Best sensor coefficients for a run, and the half sum of squares that is left."""
@@ -152,17 +171,18 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
         gradient[:n] -= (x - center) / sd**2
         hessian = jacobian.T @ jacobian + np.diag(precision + 1e-9 * len(residual))
         direction = _bounded_step(hessian, gradient, x, low, high, n)
-        trials = np.clip(x + TRIALS[:, None] * direction[:n], low, high) if n else np.empty((0, 0))
         if not n:
             break
+        damped = [_bounded_step(hessian + np.diag(share * np.diag(hessian)), gradient, x, low, high, n) for share in DAMPED]
+        trials = np.clip(x + np.vstack([TRIALS[:, None] * direction[:n], [d[:n] for d in damped]]), low, high)
         runs = model.runs(free, trials, until)
         finite = np.isfinite(runs).all((1, 2))
         costs, solutions = np.full(len(trials), np.inf), [None] * len(trials)
         for k in np.flatnonzero(finite):
+            if k < len(TRIALS) and k > 1 and costs[k - 1] > costs[k - 2] and costs[k - 2] < cost:
+                continue  # past the best
             solutions[k], left = weighed.solve_sensors(runs[k])
             costs[k] = left + _prior(trials[k], center, sd)
-            if k and costs[k] > costs[k - 1] and costs[k - 1] < cost:
-                break  # past the best
         best = int(np.argmin(costs))
         if not costs[best] < cost:
             converged = True

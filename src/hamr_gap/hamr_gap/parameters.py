@@ -66,10 +66,12 @@ class Candidate:
 
 
 def changes(machine: Machine, scales: Scales) -> list[Free]:
-    """What a fair re-tune may change."""
+    """What a fair re-tune may change. Not the gain of a single joint: no record tells a stronger drive from less of everything else."""
     rest, found = machine.at_rest, []
     own = {"stiffness": rest.stiffness, "inertia": rest.mass, "damping": rest.damping}
     for name, dimension in CHANGES.items():
+        if name == "gain" and len(machine.joints) == 1:
+            continue
         for j in range(len(machine.joints)):
             scale = scales.of(dimension)
             has = 1.0 if name == "gain" else float(machine.diagonal(own[name], j)) / scale if name in own else 0.0

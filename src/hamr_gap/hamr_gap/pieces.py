@@ -32,6 +32,7 @@ class Pieces:
     Attributes:
         first, stop: (S,) readings first to stop. lead: (S,) readings of run-in before them, the same for all, or none from rest.
         before, start: (S, 2 joints) coordinates and rates at the start of the run-in and of the piece.
+        forgotten: whether a piece outlasts the memory of its start.
     """
 
     first: np.ndarray
@@ -39,6 +40,7 @@ class Pieces:
     lead: np.ndarray
     before: np.ndarray
     start: np.ndarray
+    forgotten: bool
 
     def __len__(self) -> int:
         return len(self.first)
@@ -51,7 +53,8 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
         mean: samples averaged into one reading. length: T of a piece if the machine is not to choose.
     """
     slow, usual = _memory(machine)
-    if not length and slow <= FORGETS * record.span:
+    forgotten = not length and slow <= FORGETS * record.span
+    if forgotten:
         if len(record.stretches) == 1 and (record.rest or slow <= FORGETS**2 * record.span):
             return None
         length = record.span
@@ -63,12 +66,12 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     first, stop, lead = np.array(parts, int).reshape(-1, 3).T
     still = record.rest & np.isin(first, [-(-start // mean) for start, _ in record.stretches])
     before, start = (np.where(still[:, None], 0.0, moving(machine, record, at * mean)) for at in (first - lead, first))
-    return Pieces(first, stop, lead, before, start)
+    return Pieces(first, stop, lead, before, start, forgotten)
 
 
 def _memory(machine: Machine) -> tuple[float, float]:
     """T of the slowest decay of the machine's own linear motion (infinite without a spring), and the length of a telling piece:
-    four periods of what swings, else twice the slowest decay there is."""
+    four periods of what swings, else the slowest decay there is."""
     rest, n = machine.at_rest, len(machine.joints)
     mass, stiffness, damping = (_square(m, n) for m in (rest.mass, rest.stiffness, rest.damping))
     inverse = np.linalg.inv(mass)
@@ -79,7 +82,7 @@ def _memory(machine: Machine) -> tuple[float, float]:
     slow = 1.0 / decay.min() if decay.min() > lost else np.inf
     if swing.max() > lost:
         return slow, 8.0 * np.pi / swing[swing > lost].min()
-    usual = 2.0 / decay[decay > lost].min() if decay.max() > lost else SECONDS / machine.to_si["T"]
+    usual = 1.0 / decay[decay > lost].min() if decay.max() > lost else SECONDS / machine.to_si["T"]
     return slow, usual
 
 

@@ -18,6 +18,7 @@ from .roles import Roles, mask, roles_of
 
 FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
+TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def prepare(machine: Machine, record: Record) -> Prepared:
     _check(machine, record)
     # between samples a drive was smooth, or held: what fits better was the case
     tried = [_tuned(machine, replace(record, held=held)) for held in ((False, True) if record.drives_per_reading == 1 else (True,))]
-    weighed, found, roles, noise = min(tried, key=lambda t: t[1].cost)
+    weighed, found, roles, noise = min(tried, key=lambda t: np.sum((_rms(t[0], t[1].reading) / t[3]) ** 2))
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
         substeps *= 2
@@ -74,7 +75,18 @@ def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.nd
     gains = tuple(i for i, c in enumerate(record.channels) if machine.channels.index(c) >= len(machine.joints))
     weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
     free = changes(machine, model.scales)
-    return weighed, fit(weighed, free, np.zeros(len(free))), roles, noise
+    rough = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.runs((), np.zeros((1, 0)))[0])))
+    found = fit(rough, free, np.zeros(len(free)))
+    fair = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, found.reading)))
+    if (fair.sigma < rough.sigma).any():
+        found = fit(fair, free, found.x)
+    return fair, found, roles, noise
+
+
+def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
+    """(channels,) of what a run leaves of the fitted readings."""
+    left = np.where(weighed.chosen, weighed.model.target - reading, np.nan)
+    return np.sqrt(np.nanmean(left**2, axis=0))
 
 
 def _check(machine: Machine, record: Record) -> None:

@@ -15,7 +15,7 @@ SHARES = {"fit": 0.5, "select": 0.25, "calibrate": 0.1, "report": 0.15}
 DEAD_S = 0.5  # between roles, less where a whole record is short
 DEAD_SHARE = 0.03
 CYCLE_S = 4.0  # in which each role has its turn, so that all see every kind of excitation
-TURNS = ("fit", "fit", "select", "fit", "report", "fit", "select", "calibrate")  # of whole pieces
+TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from hamr_dynamics.effects.law import Parameter
 
-from .fit import Fit, Weighed
+from .fit import Fit, Weighed, slope
 from .parameters import Candidate, lanes
 
 BATCH = 48  # lanes at a time
@@ -120,7 +120,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
 
     def respond(part: Sequence[Column]) -> np.ndarray:
         y = model.run_rows(rows_of(part), until) - plain
-        y -= base.sensors.shift * np.gradient(y, model.reading_step, axis=1)
+        y -= base.sensors.shift * slope(y, model.reading_step, base.sensors.starts)
         return (1.0 + base.sensors.gain) * y / weighed.sigma
 
     responses = np.empty((len(columns), *plain.shape), np.float32)
