@@ -82,8 +82,8 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
         added = effects_of(analysis.prepared, best)
     else:
         added = verdict.set[0].effects if verdict.set else ()
-    content = asdict(verdict) | {"added": [asdict(effect) for effect in added]}
-    return Found(content, _tried(analysis), _simulation(analysis), _arrays(analysis, best))
+    content = json.dumps(asdict(verdict) | {"added": [asdict(effect) for effect in added]})
+    return Found(json.loads(content), _tried(analysis), _simulation(analysis), _arrays(analysis, best))
 
 
 def _tried(analysis: Analysis) -> list[dict]:

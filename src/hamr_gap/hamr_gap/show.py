@@ -1,0 +1,102 @@
+"""The proof: the same machine re-simulated under data that nothing has used, as given, re-tuned, with the effect and without it again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from hamr_dynamics.machine import Machine
+
+from .found import STATES, Found
+from .model import Model, scales_of
+from .record import Record, noise_of
+from .si import channel_si
+
+#: Seconds after which a re-initialised run is judged, besides the free run.
+HORIZONS_S = (0.008, 0.05)
+WINDOW_S = 0.25  # shown in pictures
+SETTLED_S = 0.5  # left out of a record that does not begin at rest
+
+
+def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tuple[dict, dict[str, np.ndarray]]:
+    """Gaps on a record in all states.
+
+    Args:
+        fresh: whether nothing has seen the record; if not, only its readings of the report role count.
+
+    Returns:
+        {"over_floor": {STATE: rms in units of the noise, all channels}, "closed": G, the share of the re-tuned gap's mean square, less
+        noise, that the effect takes away; "channels": {channel: {"unit", "noise", STATE: rms, SI}}, "horizons": {"0.008 s": {STATE: ...}},
+        "readings": how many}, and arrays for pictures.
+    """
+    model = _model(machine, found, record)
+    rows = np.stack([found.arrays[f"rows.{state}"] for state in STATES])
+    used = found.arrays["report"] if not fresh else _settled(model)
+    noise = noise_of(record.readings) / np.sqrt(model.mean)
+    runs = {state: found.sensors(state).read(run, model.reading_step) for state, run in zip(STATES, model.run_rows(rows), strict=True)}
+    chosen = used[:, None] & np.isfinite(model.target)
+    left = {state: np.where(chosen, model.target - run, np.nan) for state, run in runs.items()}
+    over = {state: _rms(x / noise) for state, x in left.items()}
+    channels = {}
+    for c, channel in enumerate(record.channels):
+        factor, unit = channel_si(machine, channel)
+        channels[channel] = {"unit": unit, "noise": float(noise[c]) * factor} | {s: _rms(x[:, c]) * factor for s, x in left.items()}
+    shown = {
+        "readings": int(chosen.sum()), "over_floor": over, "closed": closed(over), "channels": channels,
+        "horizons": {f"{seconds:g} s": _growth(model, found, rows, noise, used, seconds) for seconds in HORIZONS_S},
+    }  # fmt: skip
+    return shown, _pictured(machine, model, noise, used, runs)
+
+
+def closed(over: dict[str, float]) -> float | None:
+    """Share of the re-tuned gap that is gone, in mean squares less noise; None where there was none."""
+    before, after = (over[state] ** 2 - 1.0 for state in ("retuned", "after"))
+    return (before - after) / before if before > 0.05 else None
+
+
+def _model(machine: Machine, found: Found, record: Record, piece: float = 0.0) -> Model:
+    how = found.simulation
+    per = record.drives_per_reading
+    substeps = max(1, round(how["substeps"] * record.step / how["step"] / per)) * per
+    mean = max(1, round(how["mean"] * how["step"] / record.step))
+    held = replace(record, held=how["held"])
+    return Model(machine, held, substeps, mean, scales_of(machine, held), piece)
+
+
+def _settled(model: Model) -> np.ndarray:
+    """(n,) readings after the machine has forgotten how it started."""
+    used = np.ones(len(model.target), bool)
+    if not model.record.rest and model.pieces is None:
+        used[: int(SETTLED_S / model.machine.to_si["T"] / model.reading_step)] = False
+    return used
+
+
+def _growth(model: Model, found: Found, rows: np.ndarray, noise: np.ndarray, used: np.ndarray, seconds: float) -> dict[str, float]:
+    """As `over_floor`, of runs that start anew from measured motion, at their last readings."""
+    bias = found.sensors("after").bias  # the motion is what the sensors read without it
+    free_of_bias = replace(model.record, readings=model.record.readings - bias)
+    pieced = replace(model, record=free_of_bias, piece=seconds / model.machine.to_si["T"])
+    last = np.zeros(len(used), bool)
+    last[pieced.pieces.stop - 2] = True  # the very last one's slope reaches into the next piece
+    chosen = (last & used)[:, None] & np.isfinite(pieced.target)
+    growth = {}
+    for state, run in zip(STATES, pieced.run_rows(rows), strict=True):
+        left = pieced.target - replace(found.sensors(state), bias=0.0 * bias).read(run, model.reading_step)
+        growth[state] = _rms(np.where(chosen, left, np.nan) / noise)
+    return growth
+
+
+def _pictured(machine: Machine, model: Model, noise: np.ndarray, used: np.ndarray, runs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Time s, noise and readings SI of all states; `used`; the stretch to show."""
+    factor = np.array([channel_si(machine, channel)[0] for channel in model.record.channels])
+    step = model.reading_step * machine.to_si["T"]
+    length = min(int(WINDOW_S / step), len(used))
+    begin = int(np.argmax(np.convolve(used, np.ones(length), "valid") * np.linspace(1.0, 1.01, len(used) - length + 1)))
+    found = {"time": np.arange(len(used)) * step, "used": used, "window": np.array([begin, begin + length]), "noise": noise * factor}
+    found |= {state: (run * factor).astype(np.float32) for state, run in runs.items()}
+    return found | {"target": (model.target * factor).astype(np.float32)}
+
+
+def _rms(x: np.ndarray) -> float:
+    return float(np.sqrt(np.nanmean(x**2)))

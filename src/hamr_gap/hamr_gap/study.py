@@ -1,0 +1,133 @@
+"""The whole workflow once the data are there, for any machines: find and name, write the hash, open the rest of the data, show, report.
+
+`study` serves one machine of any kind, `conclude` several that belong together, as HAMR's legs do.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from hamr_dynamics import machine_kernel
+from hamr_dynamics.effects import effects_file
+from hamr_dynamics.machine import Machine
+
+from . import emit
+from .answer import answer
+from .found import STATES, Found, find
+from .record import Record
+from .report import write_report
+from .show import closed, show
+
+NAMED, HASH, VERDICT, EFFECTS, REPORT = "named.json", "verdict.sha256", "verdict.json", "effects.yaml", "report.html"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A machine, what was measured of it, and what was found."""
+
+    machine: Machine
+    record: Record
+    found: Found
+
+
+def study(
+    machine: Machine, record: Record, out: Path, *, holdout: Callable[[], Record] | None = None, command: str = "",
+    report: Callable[[str], None] = lambda _: None,
+) -> dict:  # fmt: skip
+    """Find, name, add and show for one machine.
+
+    Args:
+        record: measured. out: folder for all that is found; what an interrupted call left there is used.
+        holdout: gives the records that nothing may use before the verdict is fixed. command: what repeats this. report: told the stage.
+
+    Returns:
+        The content of `verdict.json`.
+
+    Raises:
+        BagError: the record cannot be used; one sentence.
+    """
+    found = stored(machine, record, out, report)
+    opened = (lambda: {machine.name: holdout()}) if holdout else None
+    return conclude({machine.name: Part(machine, record, found)}, out, holdout=opened, command=command)
+
+
+def stored(machine: Machine, record: Record, out: Path, report: Callable[[str], None] = lambda _: None) -> Found:
+    """What is found about a machine, kept in `out` under a hash of data and code."""
+    folder, key = out / "found" / machine.name, _key(machine, record)
+    if found := Found.load(folder, key):
+        return found
+    found = find(machine, record, report)
+    found.save(folder, key)
+    return found
+
+
+def conclude(
+    parts: Mapping[str, Part], out: Path, *, holdout: Callable[[], Mapping[str, Record]] | None = None, command: str = "",
+    refused: Mapping[str, str] | None = None, legs: bool = False, files: Mapping[str, str] | None = None,
+) -> dict:  # fmt: skip
+    """Fixes the answer, then opens the held-out records, shows the gap on them and writes everything.
+
+    Args:
+        legs: whether the machines are HAMR's legs, whose effects file every backend takes.
+        files: more that was written, by kind.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    named = answer({name: part.found for name, part in parts.items()}, refused)
+    text = json.dumps(named, indent=1) + "\n"
+    (out / NAMED).write_text(text)
+    (out / HASH).write_text(f"{hashlib.sha256(text.encode()).hexdigest()}  {NAMED}\n")
+    _write_effects([part.found for part in parts.values()], out / EFFECTS, legs=legs)
+
+    records = holdout() if holdout else {name: part.record for name, part in parts.items()}
+    shown, pictures = {}, {}
+    for name, part in parts.items():
+        if name in records:
+            shown[name], pictures[name] = show(part.machine, part.found, records[name], fresh=holdout is not None)
+    whole = named | {
+        "shown": _together(shown, fresh=holdout is not None), "effects_file": str(out / EFFECTS), "report": str(out / REPORT),
+        **(files or {}), "command": command,
+    }  # fmt: skip
+    write_report(whole, pictures, out / REPORT)
+    (out / VERDICT).write_text(json.dumps(whole, indent=1) + "\n")
+    return whole
+
+
+def _write_effects(founds: list[Found], path: Path, *, legs: bool) -> None:
+    if legs:
+        effects_file.write(emit.of_legs(founds), path)
+    else:
+        emit.write(founds, path)
+
+
+def _together(shown: Mapping[str, dict], *, fresh: bool) -> dict:
+    """The gaps of all machines, and each one's own."""
+    over = {state: _mean([s["over_floor"][state] for s in shown.values()]) for state in STATES}
+    horizons = {h: {state: _mean([s["horizons"][h][state] for s in shown.values()]) for state in STATES}
+                for h in next(iter(shown.values()))["horizons"]}  # fmt: skip
+    data = "data that nothing had used before" if fresh else "the part of the measured data that was kept for this and used for nothing else"
+    return {"data": data, "over_floor": over, "closed": closed(over), "horizons": horizons, "machines": dict(shown)}
+
+
+def _mean(x: list[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(x))))
+
+
+def _key(machine: Machine, record: Record) -> str:
+    """Hash of the data, of the machine's traced equations with every effect, and of the workflow's code."""
+    said = f"{record.channels} {record.step} {record.held} {record.rest} {record.drives_per_reading} {record.breaks}"
+    digest = hashlib.sha256("\0".join((said, machine_kernel.source(machine), _code())).encode())
+    for array in (record.drives, record.readings):
+        digest.update(np.ascontiguousarray(array, "<f8").tobytes())
+    return digest.hexdigest()
+
+
+@cache
+def _code() -> str:
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))).hexdigest()

@@ -1,0 +1,56 @@
+"""A verdict in plain sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+HEADLINES = {
+    "no_significant_gap": "No significant gap: the model explains these data to within their noise.",
+    "parameters_only": "No effect is missing: other parameters of the same model close the gap.",
+    "named": "An effect is missing, and it has a name.",
+    "ambiguous": "An effect is missing; these data leave more than one name.",
+    "unknown": "Something is missing that is not in the library.",
+}
+
+
+def sentences(found: Mapping) -> list[str]:
+    """What `verdict.json` says, most important first."""
+    said = [HEADLINES[found["verdict"]]]
+    for i, answer in enumerate(found["set"]):
+        start = "Most probable" if i == 0 and len(found["set"]) > 1 else "Or" if i else "It is"
+        said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
+    gap = found["gap"]
+    with_it = f", {gap['after']:.2f} with what was found" if found["set"] else ""
+    said.append(f"Simulation minus measurement, in units of the sensor noise: {gap['raw']:.2f} as given, {gap['retuned']:.2f} re-tuned{with_it}.")
+    if shown := found.get("shown"):
+        over, share = shown["over_floor"], shown["closed"]
+        closed = f"; {100 * share:.1f} % of the re-tuned gap is gone, and taking the effect out again gives {over['removed']:.2f}" \
+            if found["set"] and share is not None else ""  # fmt: skip
+        said.append(f"On {shown['data']}: {over['raw']:.2f} as given, {over['retuned']:.2f} re-tuned, {over['after']:.2f} after{closed}.")
+    said += [f"{name}: {why}" for name, why in found["refused"].items()]
+    for name, experiment in (found["experiment"] or {}).items():
+        said.append(f"What would decide about {name}: {experiment['sentence']}")
+    return said
+
+
+def answer_in_words(answer: Mapping) -> str:
+    """Effects, places and parameters of one answer."""
+    parts = [f"{e['effect']} ({e['form']}) at {e['place']}, {_parameters(e)}" for e in answer["effects"]]
+    if answer.get("unknown") or not parts:
+        parts.append("a law outside the library")
+    return " and ".join(parts)
+
+
+def _parameters(effect: Mapping) -> str:
+    shown = [f"{name} {number(x['value'])} ({number(x['low'])} to {number(x['high'])}){unit(x['unit'])}" for name, x in effect["parameters"].items()]
+    return ", ".join(shown)
+
+
+def number(x: float) -> str:
+    """Three digits."""
+    return f"{x:.3g}"
+
+
+def unit(name: str) -> str:
+    """A unit behind a number; a ratio has none."""
+    return "" if name == "1" else f" {name}"
