@@ -8,10 +8,12 @@ from math import comb
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import maximum_filter
 
 from hamr_description.errors import BagError
 
 JUMP = 3.0  # a step of the drive this many times the usual one and its neighbours is a jump
+NEAR = 5  # samples in which it has neighbours
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,8 @@ def joined(records: Sequence[Record]) -> Record:
 def _smooth(u: np.ndarray, substeps: int) -> np.ndarray:
     """Cubic splines between the jumps of samples (n,), each piece held from its last sample to the jump."""
     step = np.abs(np.diff(u))
-    beside = np.maximum(np.r_[step[1:], 0.0], np.r_[0.0, step[:-1]])  # a signal that is only fast has large neighbours too
+    # a signal that is only fast has large steps near by too
+    beside = maximum_filter(step, footprint=np.arange(-NEAR, NEAR + 1) != 0, mode="constant")
     jumps = np.flatnonzero((step > JUMP * np.sqrt(np.mean(step**2))) & (step > JUMP * beside)) + 1
     fine = np.empty(len(u) * substeps)
     for start, stop in zip([0, *jumps], [*jumps, len(u)], strict=True):
