@@ -1,9 +1,9 @@
 """The `hamr` command: finds the command's module, reads its arguments, prints its result; what goes wrong becomes one sentence.
 
 A command is a module in commands/ whose docstring says what it does, with examples, and whose `Command` is a dataclass with
-`run() -> dict`, or for commands in two words a dict from the second word to such a dataclass. Standard output carries the result
-alone: a table, or with `--json` one JSON object, {"ok": false, "error": ...} when it fails; progress and logs, also those of child
-processes, go to standard error. The exit status is 0 only on success.
+`run() -> dict` and, where a table does not do, `text(result) -> str`, or for commands in two words a dict from the second word to
+such a dataclass. Standard output carries the result alone: a table, or with `--json` one JSON object, {"ok": false, "error": ...}
+when it fails; progress and logs, also those of child processes, go to standard error. The exit status is 0 only on success.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .environment import prepare
 from .present import as_json_text, as_text
 
 #: In the order of the help.
-COMMANDS = ("demo", "up", "run", "collect", "train", "eval", "reproduce", "check", "bench", "bag", "render", "doctor")
+COMMANDS = ("demo", "up", "run", "collect", "train", "eval", "gap", "reproduce", "check", "bench", "bag", "render", "doctor")
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 AS_JSON = "--json"
@@ -76,7 +76,8 @@ def _run(module: ModuleType, name: str, argv: list[str], *, as_json: bool) -> in
     command = _parse(module, name, argv)
     with _result_only() as out:
         result = command.run()
-        out.write(as_json_text(result) if as_json else as_text(result))
+        in_words = getattr(command, "text", as_text)
+        out.write(as_json_text(result) if as_json else in_words(result))
     return 0 if result.get("ok", True) else FAILED
 
 

@@ -23,7 +23,7 @@ STYLE = {
 }  # fmt: skip
 #: SI unit -> factor and unit in pictures.
 SHOWN = {"rad": (180.0 / np.pi, "degrees"), "m": (1e6, "um")}
-CELLS = 24  # of a map, along each axis
+CELLS = (8, 24)  # of a map, along each axis, from few readings to many
 FEWEST = 3  # readings in a cell that is drawn
 
 
@@ -64,16 +64,16 @@ def traces(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) -
 
 def spectra(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) -> Figure:
     """Amplitude density of the differences against the noise."""
-    used, rate = arrays["used"], 1.0 / float(np.median(np.diff(arrays["time"])))
+    part, rate = _longest(arrays["used"]), 1.0 / float(np.median(np.diff(arrays["time"])))
     with rc_context(STYLE):
         figure, axes = _figure(4.6 * len(channels), 2.7, 1, len(channels))
         for c, (channel, unit) in enumerate(channels.items()):
             factor, said = _shown(unit)
             axis, best = axes[0, c], np.inf
             for state in states:
-                left = factor * np.nan_to_num(np.where(used, arrays["target"][:, c] - arrays[state][:, c], np.nan))
-                f, power = welch(left, rate, nperseg=min(1024, len(left)))
-                density = np.sqrt(power / max(used.mean(), 1e-9))  # what is not used counts as zero above
+                left = factor * np.nan_to_num((arrays["target"] - arrays[state])[part, c])
+                f, power = welch(left, rate, nperseg=min(512, len(left)))
+                density = np.sqrt(power)
                 axis.loglog(f[1:], density[1:], color=LOOK[state][0], lw=1.2, label=LOOK[state][1])
                 best = min(best, density[1:].min())
             level = factor * arrays["noise"][c] * np.sqrt(2.0 / rate)
@@ -86,17 +86,26 @@ def spectra(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) 
     return figure
 
 
+def _longest(used: np.ndarray) -> slice:
+    """The longest stretch of readings that count."""
+    edges = np.flatnonzero(np.diff(np.r_[0, used.astype(int), 0]))
+    starts, stops = edges[::2], edges[1::2]
+    k = int(np.argmax(stops - starts))
+    return slice(starts[k], stops[k])
+
+
 def maps(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) -> Figure:
     """Mean difference over angle and rate, of re-tuned model and of the one with the effect, one colour scale for both."""
     used = np.flatnonzero(arrays["used"])
     step = float(np.median(np.diff(arrays["time"])))
+    cells = int(np.clip(np.sqrt(len(used) / 10), *CELLS))
     with rc_context(STYLE):
         figure, axes = _figure(2.7 * len(channels) * len(states), 2.6, 1, len(channels) * len(states))
         for c, (channel, unit) in enumerate(channels.items()):
             factor, said = _shown(unit)
             q = factor * arrays["after"][:, c]
             v = np.gradient(q, step)
-            edges = [np.linspace(*np.percentile(x[used], (0.5, 99.5)), CELLS + 1) for x in (q, v)]
+            edges = [np.linspace(*np.percentile(x[used], (0.5, 99.5)), cells + 1) for x in (q, v)]
             found = {}
             for state in states:
                 left = factor * (arrays["target"][:, c] - arrays[state][:, c])[used]
@@ -146,14 +155,13 @@ def gap_bars(over: Mapping[str, Mapping[str, float]], states: Sequence[str]) -> 
             x = np.arange(len(over)) + (k - 0.5 * (len(states) - 1)) * width
             bars = axis.bar(x, [values[state] for values in over.values()], 0.92 * width, color=LOOK[state][0], label=LOOK[state][1])
             axis.bar_label(bars, fmt="%.3g", fontsize=8)
-        axis.axhline(1.0, color="#666666", lw=1, ls="--")
-        axis.annotate("sensor noise", (1.0, 1.0), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8, color="#666666")
+        axis.axhline(1.0, color="#222222", lw=1, ls="--", label="sensor noise")
         axis.set_xticks(range(len(over)), list(over))
         axis.set_yscale("log")
         axis.set_ylim(0.5, 3.0 * max(max(values[s] for s in states) for values in over.values()))
         axis.grid(axis="x", visible=False)
         axis.set_ylabel("rms difference / noise")
-        figure.legend(*axis.get_legend_handles_labels(), loc="outside upper center", ncols=len(states), fontsize=8)
+        figure.legend(*axis.get_legend_handles_labels(), loc="outside upper center", ncols=len(states) + 1, fontsize=8)
     return figure
 
 

@@ -21,11 +21,13 @@ from hamr_dynamics.machine import Machine
 from . import emit
 from .answer import answer
 from .found import STATES, Found, find
+from .overlay import write_overlay
 from .record import Record
 from .report import write_report
 from .show import closed, show
 
-NAMED, HASH, VERDICT, EFFECTS, REPORT = "named.json", "verdict.sha256", "verdict.json", "effects.yaml", "report.html"
+NAMED, HASH, VERDICT = "named.json", "verdict.sha256", "verdict.json"
+EFFECTS, REPORT, OVERLAY = "effects.yaml", "report.html", "overlay"
 
 
 @dataclass(frozen=True)
@@ -70,13 +72,12 @@ def stored(machine: Machine, record: Record, out: Path, report: Callable[[str], 
 
 def conclude(
     parts: Mapping[str, Part], out: Path, *, holdout: Callable[[], Mapping[str, Record]] | None = None, command: str = "",
-    refused: Mapping[str, str] | None = None, legs: bool = False, files: Mapping[str, str] | None = None,
+    refused: Mapping[str, str] | None = None, legs: bool = False,
 ) -> dict:  # fmt: skip
     """Fixes the answer, then opens the held-out records, shows the gap on them and writes everything.
 
     Args:
-        legs: whether the machines are HAMR's legs, whose effects file every backend takes.
-        files: more that was written, by kind.
+        legs: whether the machines are HAMR's legs, by their names: every backend takes their effects file, and a bag holds the angles.
     """
     out.mkdir(parents=True, exist_ok=True)
     named = answer({name: part.found for name, part in parts.items()}, refused)
@@ -92,8 +93,10 @@ def conclude(
             shown[name], pictures[name] = show(part.machine, part.found, records[name], fresh=holdout is not None)
     whole = named | {
         "shown": _together(shown, fresh=holdout is not None), "effects_file": str(out / EFFECTS), "report": str(out / REPORT),
-        **(files or {}), "command": command,
+        "overlay": str(out / OVERLAY) if legs else "", "command": command,
     }  # fmt: skip
+    if legs:
+        write_overlay(pictures, out / OVERLAY)
     write_report(whole, pictures, out / REPORT)
     (out / VERDICT).write_text(json.dumps(whole, indent=1) + "\n")
     return whole

@@ -19,14 +19,13 @@ def sentences(found: Mapping) -> list[str]:
     for i, answer in enumerate(found["set"]):
         start = "Most probable" if i == 0 and len(found["set"]) > 1 else "Or" if i else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
-    gap = found["gap"]
-    with_it = f", {gap['after']:.2f} with what was found" if found["set"] else ""
-    said.append(f"Simulation minus measurement, in units of the sensor noise: {gap['raw']:.2f} as given, {gap['retuned']:.2f} re-tuned{with_it}.")
     if shown := found.get("shown"):
         over, share = shown["over_floor"], shown["closed"]
-        closed = f"; {100 * share:.1f} % of the re-tuned gap is gone, and taking the effect out again gives {over['removed']:.2f}" \
-            if found["set"] and share is not None else ""  # fmt: skip
-        said.append(f"On {shown['data']}: {over['raw']:.2f} as given, {over['retuned']:.2f} re-tuned, {over['after']:.2f} after{closed}.")
+        after = f", {over['after']:.2f} with what was found" if found["set"] else ""
+        said.append(f"Simulation minus measurement, in units of the sensor noise, on {shown['data']}: {over['raw']:.2f} as given, "
+                    f"{over['retuned']:.2f} re-tuned{after}.")  # fmt: skip
+        if found["set"] and share is not None:
+            said.append(f"{100 * share:.1f} % of the re-tuned gap is gone; taken out again, it is {over['removed']:.2f}.")
     said += [f"{name}: {why}" for name, why in found["refused"].items()]
     for name, experiment in (found["experiment"] or {}).items():
         said.append(f"What would decide about {name}: {experiment['sentence']}")

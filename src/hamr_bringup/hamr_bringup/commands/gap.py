@@ -1,0 +1,44 @@
+"""Find where a model and measured bags disagree, name the effect that is missing, add it, and show the gap shrink.
+
+Only time, drive voltages, hip angles and actuator deflections are read, of suspended runs, from any recorder. The folder gets
+verdict.json, effects.yaml (for --effects of every command), report.html and a bag of measured and simulated angles. An interrupted
+call goes on where it was.
+
+Examples:
+  hamr collect --backend full --out out/measured --as-measured
+  hamr collect --backend full --out out/holdout --as-measured --seed 1
+  hamr gap --measured out/measured --holdout out/holdout --backend simple --out out/gap
+  hamr up --backend simple --effects out/gap/effects.yaml
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import arg
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
+    measured: Annotated[tuple[Path, ...], arg(metavar="BAG [BAG ...]")]
+    """Bags of the machine."""
+    backend: str = "simple"
+    """The model to be completed: simple, simple_published, full or residual."""
+    holdout: Annotated[tuple[Path, ...], arg(metavar="BAG [BAG ...]")] = ()
+    """Bags that are opened only when the answer is fixed, to show the gap on; if none, a part of the measured ones serves."""
+    out: Path = Path("out/gap")
+    """Folder for all that is found."""
+
+    def run(self) -> dict:
+        from hamr_gap.gap import run
+
+        return run(self.measured, self.out, backend=self.backend, holdout=self.holdout)
+
+    def text(self, result: dict) -> str:
+        """The verdict in plain sentences."""
+        from hamr_gap.words import sentences
+
+        files = [f"{name}: {result[key]}" for name, key in (("Effects", "effects_file"), ("Report", "report"), ("Angles", "overlay"))]
+        return "\n".join([*sentences(result), "", *files, f"Again: {result['command']}", ""])

@@ -1,0 +1,122 @@
+"""`hamr gap` for bags of HAMR: every leg a machine of its own, one answer for all."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from hamr_description.errors import BagError, HamrError
+from hamr_description.names import LEGS
+from hamr_dynamics.plant import plant
+
+from .found import Found
+from .legs import machine_of, record_of
+from .measured import Samples, read
+from .progress import side_by_side
+from .record import Record, joined
+from .study import Part, conclude, stored
+
+STILL = 0.05  # of its usual size, that a drive has at first where the machine begins at rest
+FIRST = 5  # samples that tell
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Why nothing can be said about a leg."""
+
+    sentence: str
+
+
+def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[Path] = ()) -> dict:
+    """Find, name, add and show.
+
+    Args:
+        measured: bags of suspended legs, of any recorder. out: folder for all that is found.
+        backend: the model, a name of `hamr_dynamics.plant.HOMES`. holdout: bags that are opened only after the answer is fixed.
+
+    Returns:
+        The content of `verdict.json`.
+
+    Raises:
+        BagError: no bag, or no leg, can be used; the sentences say why. Single ones that cannot are left out, and said to be.
+    """
+    plant(backend)  # a wrong name is said before a long wait
+    if lost := [bag for bag in holdout if not Path(bag).exists()]:
+        raise BagError(f"There is no bag at {lost[0]}; give hold-out bags that exist.")
+    samples, refused = _opened(measured)
+    records = _records(samples, refused)
+    jobs = {leg: partial(_leg, backend, leg, record, out) for leg, record in records.items()}
+    found = side_by_side(jobs)
+    refused |= {leg: result.sentence for leg, result in found.items() if isinstance(result, Refused)}
+    parts = {leg: Part(machine_of(backend, leg), records[leg], result) for leg, result in found.items() if isinstance(result, Found)}
+    if not parts:
+        raise BagError(" ".join(f"{name}: {why}" for name, why in refused.items()))
+    opened = partial(_held_out, holdout, {leg: part.record.channels for leg, part in parts.items()}) if holdout else None
+    return conclude(parts, out, holdout=opened, command=_command(measured, holdout, backend, out), refused=refused, legs=True)
+
+
+def _opened(bags: Sequence[Path]) -> tuple[list[Samples], dict[str, str]]:
+    samples, refused = [], {}
+    for bag in bags:
+        try:
+            samples.append(read(bag))
+        except BagError as error:
+            refused[str(bag)] = str(error)
+    if not samples:
+        raise BagError(" ".join(refused.values()))
+    return samples, refused
+
+
+def _records(samples: Sequence[Samples], refused: dict[str, str]) -> dict[str, Record]:
+    """Leg -> all that was measured of it, bags one after the other."""
+    found = {}
+    for leg in LEGS:
+        parts = [_record(s, leg) for s in samples if leg in s.legs]
+        if not parts:
+            continue
+        common = tuple(c for c in parts[0].channels if all(c in part.channels for part in parts))
+        try:
+            found[leg] = joined([_only(part, common) for part in parts])
+        except HamrError as error:
+            refused[leg] = str(error)
+    return found
+
+
+def _record(samples: Samples, leg: str) -> Record:
+    record = record_of(samples, leg, samples.joints)
+    usual = np.sqrt(np.mean((record.drives - record.drives.mean(0)) ** 2, axis=0))
+    return replace(record, rest=bool((np.abs(record.drives[:FIRST]) <= STILL * usual).all()))
+
+
+def _only(record: Record, channels: tuple[str, ...]) -> Record:
+    """A record of some of its channels."""
+    if missing := [c for c in channels if c not in record.channels]:
+        raise BagError(f"the hold-out bags lack the sensor {missing[0]}; hold out bags with the channels of the measured ones.")
+    return replace(record, readings=record.readings[:, [record.channels.index(c) for c in channels]], channels=channels)
+
+
+def _leg(backend: str, leg: str, record: Record, out: Path, report: Callable[[str], None]) -> Found | Refused:
+    try:
+        return stored(machine_of(backend, leg), record, out, report)
+    except HamrError as error:
+        return Refused(str(error))
+    except np.linalg.LinAlgError as error:
+        return Refused(f"the fits did not come to an end ({error}); record it with another excitation.")
+
+
+def _held_out(bags: Sequence[Path], channels: Mapping[str, tuple[str, ...]]) -> dict[str, Record]:
+    samples = [read(bag) for bag in bags]
+    parts = {leg: [_only(_record(s, leg), own) for s in samples if leg in s.legs] for leg, own in channels.items()}
+    if not any(parts.values()):
+        raise BagError("The hold-out bags hold none of the legs that were measured; hold out a run of the same legs.")
+    return {leg: joined(records) for leg, records in parts.items() if records}
+
+
+def _command(measured: Sequence[Path], holdout: Sequence[Path], backend: str, out: Path) -> str:
+    words = ["hamr", "gap", "--measured", *map(str, measured), *(["--holdout", *map(str, holdout)] if holdout else [])]
+    return shlex.join([*words, "--backend", backend, "--out", str(out)])
