@@ -25,17 +25,16 @@ class Sensors:
     """The linear part: reading = (1 + gain) y + bias - shift dy/dt.
 
     Attributes:
-        bias, gain: (channels,). shift: T. starts: readings from which runs start as measured: there a shift of clocks moves nothing.
+        bias, gain: (channels,). shift: T.
     """
 
     bias: np.ndarray
     gain: np.ndarray
     shift: float
-    starts: tuple[int, ...] = ()
 
-    def read(self, y: np.ndarray, step: float) -> np.ndarray:
-        """(n, channels) readings of a run (n, channels)."""
-        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step, self.starts)
+    def read(self, y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+        """(n, channels) readings of a run (n, channels); from `starts` it starts as measured, so that there no shift moves it."""
+        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step, starts)
 
 
 def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
@@ -92,15 +91,9 @@ class Weighed:
         return (y[..., : self.until, :] / self.sigma)[..., self.chosen[: self.until]]
 
     @property
-    def starts(self) -> tuple[int, ...]:
-        """Readings from which runs start as measured."""
-        pieces = self.model.pieces
-        return () if pieces is None or pieces.forgotten else tuple(int(x) for x in pieces.first)
-
-    @property
     def biased(self) -> tuple[int, ...]:
         """Channels whose bias is free: not those of joints that start as measured, each time anew."""
-        joints = len(self.model.machine.joints) if self.starts else 0
+        joints = len(self.model.machine.joints) if self.model.starts else 0
         return tuple(c for c, own in enumerate(self.model.own) if own >= joints)
 
     @property
@@ -119,7 +112,7 @@ class Weighed:
             gain = np.zeros_like(run)
             gain[:, c] = run[:, c]
             columns.append(gain)
-        columns.append(-slope(run, self.model.reading_step, self.starts) * self.model.reading_step)
+        columns.append(-slope(run, self.model.reading_step, self.model.starts) * self.model.reading_step)
         return self.vector(np.stack(columns)).T
 
     def sensors(self, s: np.ndarray) -> Sensors:
@@ -128,7 +121,7 @@ class Weighed:
         biased, gains = list(self.biased), list(self.gains)
         bias[biased] = s[: len(biased)] * self.sigma[biased]
         gain[gains] = s[len(biased) : -1]
-        return Sensors(bias, gain, float(s[-1]) * self.model.reading_step, self.starts)
+        return Sensors(bias, gain, float(s[-1]) * self.model.reading_step)
 
     def solve_sensors(self, run: np.ndarray) -> tuple[np.ndarray, float]:
         """Best sensor coefficients for a run, and the half sum of squares that is left."""
@@ -160,8 +153,8 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
     for _ in range(steps):
         probes = model.runs(free, x + np.diag(delta), until) if len(free) else np.empty((0, *run.shape))
         sensors = weighed.sensors(s)
-        base = weighed.vector(sensors.read(run, model.reading_step))
-        columns = [(weighed.vector(sensors.read(p, model.reading_step)) - base) / d for p, d in zip(probes, delta, strict=True)]
+        base = weighed.vector(sensors.read(run, model.reading_step, model.starts))
+        columns = [(weighed.vector(sensors.read(p, model.reading_step, model.starts)) - base) / d for p, d in zip(probes, delta, strict=True)]
         jacobian = np.column_stack([*columns, weighed.sensor_columns(run)])
         residual = weighed.vector(model.target) - base
         n = len(free)
@@ -194,7 +187,7 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
             converged = True
             break
     sensors, run = weighed.sensors(s), model.runs(free, x)[0]
-    return Fit(tuple(free), x, sensors, run, sensors.read(run, model.reading_step), cost, converged)
+    return Fit(tuple(free), x, sensors, run, sensors.read(run, model.reading_step, model.starts), cost, converged)
 
 
 def _prior(x: np.ndarray, center: np.ndarray, sd: np.ndarray) -> float:

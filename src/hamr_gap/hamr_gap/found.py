@@ -119,5 +119,5 @@ def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:
     for state, run in zip(STATES, runs, strict=True):
         s = sensors[state]
         found |= {f"rows.{state}": rows[state], f"bias.{state}": s.bias, f"gain.{state}": s.gain, f"shift.{state}": np.array(s.shift)}
-        found[state] = s.read(run, model.reading_step).astype(np.float32)
+        found[state] = s.read(run, model.reading_step, model.starts).astype(np.float32)
     return found

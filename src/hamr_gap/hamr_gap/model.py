@@ -59,6 +59,11 @@ class Model:
         """T between averaged readings."""
         return self.record.step * self.mean
 
+    @property
+    def starts(self) -> tuple[int, ...]:
+        """Readings from which runs start as measured, of a machine that does not forget it."""
+        return () if self.pieces is None or self.pieces.forgotten else tuple(int(x) for x in self.pieces.first)
+
     def rows(self, free: Sequence[Free], x: np.ndarray) -> np.ndarray:
         """(K, rows) lane parameters of (K, P) or (P,) free numbers."""
         return lanes(self.machine, self.neutral, free, np.atleast_2d(x))

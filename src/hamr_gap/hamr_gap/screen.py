@@ -120,7 +120,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
 
     def respond(part: Sequence[Column]) -> np.ndarray:
         y = model.run_rows(rows_of(part), until) - plain
-        y -= base.sensors.shift * slope(y, model.reading_step, base.sensors.starts)
+        y -= base.sensors.shift * slope(y, model.reading_step, model.starts)
         return (1.0 + base.sensors.gain) * y / weighed.sigma
 
     responses = np.empty((len(columns), *plain.shape), np.float32)
@@ -138,7 +138,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     n = len(base.free)
     delta = DELTA * np.array([min(f.sd, 1.0) for f in base.free])
     probes = model.runs(base.free, base.x + np.diag(delta), until)
-    fixed = [base.sensors.read(p, model.reading_step) - base.sensors.read(plain, model.reading_step) for p in probes]
+    fixed = [base.sensors.read(p - plain, model.reading_step, model.starts) - base.sensors.bias for p in probes]
     fixed = [(p / d) / weighed.sigma for p, d in zip(fixed, delta, strict=True)]
     sensors = _sensor_responses(weighed, base)
     every = np.concatenate([np.array(fixed).reshape(n, *plain.shape), sensors[:, :until], responses])

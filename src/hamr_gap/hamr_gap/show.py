@@ -34,7 +34,7 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
     rows = np.stack([found.arrays[f"rows.{state}"] for state in STATES])
     used = found.arrays["report"] if not fresh else _settled(model)
     noise = noise_of(record.readings) / np.sqrt(model.mean)
-    runs = {state: found.sensors(state).read(run, model.reading_step) for state, run in zip(STATES, model.run_rows(rows), strict=True)}
+    runs = {state: found.sensors(state).read(run, model.reading_step, model.starts) for state, run in zip(STATES, model.run_rows(rows), strict=True)}
     chosen = used[:, None] & np.isfinite(model.target)
     left = {state: np.where(chosen, model.target - run, np.nan) for state, run in runs.items()}
     over = {state: _rms(x / noise) for state, x in left.items()}
@@ -82,7 +82,7 @@ def _growth(model: Model, found: Found, rows: np.ndarray, noise: np.ndarray, use
     chosen = (last & used)[:, None] & np.isfinite(pieced.target)
     growth = {}
     for state, run in zip(STATES, pieced.run_rows(rows), strict=True):
-        left = pieced.target - replace(found.sensors(state), bias=0.0 * bias).read(run, model.reading_step)
+        left = pieced.target - replace(found.sensors(state), bias=0.0 * bias).read(run, model.reading_step, pieced.starts)
         growth[state] = _rms(np.where(chosen, left, np.nan) / noise)
     return growth
 
