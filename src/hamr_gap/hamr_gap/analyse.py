@@ -92,7 +92,8 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
     model = prepared.weighed.model
     machine, record = model.machine, model.record
     answers = tuple(
-        Answer(effects_of(prepared, w.hypothesis) if w.hypothesis else (), w.probability, w.left) for w in chosen
+        Answer(effects_of(prepared, w.hypothesis), w.probability, w.left, _forms(state, w.hypothesis)) if w.hypothesis
+        else Answer((), w.probability, w.left) for w in chosen
     )  # fmt: skip
     silent = {name: why for name in library() if (why := missing(name, machine, record.channels)) and why != "it is no name"}
     return Verdict(
@@ -100,6 +101,13 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
         gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
         detectable={}, experiment=None, notes=(),
     )  # fmt: skip
+
+
+def _forms(state: Search, answer: Hypothesis) -> dict[str, float]:
+    """What each form of the names of an answer leaves of the gap."""
+    gap = max(state.base.left - state.floor, 1e-12)
+    same = sorted((h for h in state.tried if h.names == answer.names), key=lambda h: -h.left)
+    return {" + ".join(c.form for c in h.effects): max(h.left - state.floor, 0.0) / gap for h in same}
 
 
 def effects_of(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:

@@ -29,11 +29,16 @@ class NamedEffect:
 
 @dataclass(frozen=True)
 class Answer:
-    """Effects that together are one possible answer; empty for a law outside the library."""
+    """Effects that together are one possible answer; empty for a law outside the library.
+
+    Attributes:
+        left: of the gap, on readings that were not fitted. forms: the same for every form that was fitted of these names.
+    """
 
     effects: tuple[NamedEffect, ...]
     probability: float
-    left: float  # of the gap, on readings that were not fitted
+    left: float
+    forms: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

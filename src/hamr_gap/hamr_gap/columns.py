@@ -1,0 +1,158 @@
+"""Measured tables: CSV with a header line, or NPZ with one array a column. Nothing in them can run code."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from hamr_description.errors import BagError, ConfigError
+from hamr_dynamics.machine import Machine
+
+from .record import Record
+
+#: Units a column may have: factor to SI, and the SI unit.
+UNITS = {
+    "s": (1.0, "s"), "ms": (1e-3, "s"), "us": (1e-6, "s"), "m": (1.0, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"),
+    "rad": (1.0, "rad"), "mrad": (1e-3, "rad"), "deg": (np.pi / 180.0, "rad"), "V": (1.0, "V"), "mV": (1e-3, "V"), "kV": (1e3, "V"),
+    "A": (1.0, "A"), "mA": (1e-3, "A"), "N": (1.0, "N"), "mN": (1e-3, "N"), "kN": (1e3, "N"), "N*m": (1.0, "N*m"), "mN*m": (1e-3, "N*m"),
+    "Pa": (1.0, "Pa"), "kPa": (1e3, "Pa"), "1": (1.0, "1"),
+}  # fmt: skip
+UNEVEN = 0.02  # of a step: more is no clock's noise
+GAP = 0.5  # of a step more or less than one: the record breaks there
+
+
+def read_columns(path: str | Path) -> dict[str, np.ndarray]:
+    """Column name -> (n,) numbers; an empty cell is NaN.
+
+    Raises:
+        BagError: there is no such table, or it is none; one sentence.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise BagError(f"There is no table at {path}; give a .csv or .npz file.")
+    if path.suffix == ".npz":
+        return _npz(path)
+    if path.suffix == ".csv":
+        return _csv(path)
+    raise BagError(f"{path} is neither .csv nor .npz; write the columns into one of these.")
+
+
+def _csv(path: Path) -> dict[str, np.ndarray]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            header, *rows = [row for row in csv.reader(file) if row]
+    except (UnicodeDecodeError, csv.Error, ValueError) as error:
+        raise BagError(f"{path} cannot be read as a table ({error}); write comma-separated text with a header line.") from None
+    names = [name.strip() for name in header]
+    while names and not names[-1]:  # a comma at the end of each line
+        names.pop()
+    if not names or "" in names or len(set(names)) < len(names):
+        raise BagError(f"{path} has no header line with a name of its own for each column; write one.")
+    if all(_number(name) is not None for name in names):
+        raise BagError(f"{path} begins with numbers; write a header line with the columns' names first.")
+    columns = np.empty((len(rows), len(names)))
+    for i, row in enumerate(rows):
+        if len(row) < len(names) or any(cell.strip() for cell in row[len(names) :]):
+            raise BagError(f"{path} has {len(row)} cells in data row {i + 1}, not {len(names)}; mend that line.")
+        for j, cell in enumerate(row[: len(names)]):
+            if (x := _number(cell)) is None:
+                raise BagError(f"{path} has '{cell}' in data row {i + 1} of column {names[j]}; write numbers, or nothing where none was read.")
+            columns[i, j] = x
+    return dict(zip(names, columns.T, strict=True))
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell) if cell.strip() else np.nan
+    except ValueError:
+        return None
+
+
+def _npz(path: Path) -> dict[str, np.ndarray]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            columns = {name: np.asarray(file[name], float).squeeze() for name in file.files}
+    except (OSError, ValueError, BadZipFile) as error:
+        raise BagError(f"{path} cannot be read as a table ({error}); store plain arrays of numbers in it.") from None
+    if not columns or any(x.ndim != 1 for x in columns.values()) or len({len(x) for x in columns.values()}) > 1:
+        raise BagError(f"{path} needs arrays of one dimension and one length, one for each column.")
+    return columns
+
+
+def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | float] | None = None) -> Record:
+    """What a table says about a machine.
+
+    The table has the columns `time`, `drive` (`drive.JOINT` for each of two joints) and one for each sensor channel, or some of them,
+    by the channel's name. A name may carry its unit, "drive [mV]"; without one it is in the machine's own.
+
+    Args:
+        columns: role -> name of the column in this table, where it has another, with its unit if it has one ("t [ms]"); for `time` a
+            number of seconds between rows, where no column says it.
+
+    Raises:
+        BagError, ConfigError: a column is missing or makes no sense; one sentence.
+    """
+    table = {_split(name)[0]: (name, x) for name, x in read_columns(path).items()}
+    columns = dict(columns or {})
+    drives = ("drive",) if len(machine.joints) == 1 else tuple(f"drive.{joint}" for joint in machine.joints)
+    roles = {"time": "T", **dict.fromkeys(drives, "U"), **dict.fromkeys(machine.channels, "Q")}
+    if unknown := set(columns) - set(roles):
+        raise ConfigError(f"The mapping names '{min(unknown)}', which {machine.name} has not: known are {', '.join(roles)}.")
+
+    def column(role: str) -> np.ndarray | None:
+        said = columns.get(role, role)
+        name, unit = _split(str(said))
+        if name not in table:
+            if role in columns or role not in machine.channels:
+                raise BagError(f"{path} has no column '{name}' for {role}; it has {', '.join(table)}: name it so, or map it.")
+            return None
+        own, x = table[name]
+        return x * _factor(machine, roles[role], unit or _split(own)[1], f"column '{name}' of {path}")
+
+    used = np.column_stack([column(role) for role in drives])
+    readings = {name: x for name in machine.channels if (x := column(name)) is not None}
+    if missing := [joint for joint in machine.channels[: len(machine.joints)] if joint not in readings]:
+        raise BagError(f"{path} has no column for the sensor {missing[0]}; it has {', '.join(table)}: name it so, or map it.")
+    if isinstance(columns.get("time"), (int, float)):
+        step, breaks = float(columns["time"]) / machine.to_si["T"], ()
+    else:
+        step, breaks = _clock(column("time"), path)
+    return Record(used, np.column_stack(list(readings.values())), step, tuple(readings), rest=False, breaks=breaks)
+
+
+def _split(name: str) -> tuple[str, str]:
+    """("drive", "mV") of "drive [mV]"."""
+    head, bracket, unit = name.partition("[")
+    return head.strip(), unit.strip().removesuffix("]").strip() if bracket else ""
+
+
+def _factor(machine: Machine, letter: str, unit: str, where: str) -> float:
+    """What a column's numbers are times to be in the machine's units."""
+    if not unit:
+        return 1.0
+    if unit not in UNITS:
+        raise BagError(f"The unit '{unit}' of {where} is not known; write one of {', '.join(UNITS)}.")
+    factor, base = UNITS[unit]
+    if base != machine.units[letter]:
+        raise BagError(f"The unit '{unit}' of {where} does not measure what {machine.name} has in {machine.units[letter]}; correct one of them.")
+    return factor / machine.to_si[letter]
+
+
+def _clock(time: np.ndarray, path: str | Path) -> tuple[float, tuple[int, ...]]:
+    """Step, and the rows at which a new stretch begins."""
+    if len(time) < 3 or not np.isfinite(time).all():
+        raise BagError(f"{path} needs a time in each of at least three rows.")
+    step = float(np.median(np.diff(time)))
+    if not step > 0:
+        raise BagError(f"The times in {path} do not rise; sort the rows.")
+    off = np.abs(np.diff(time) / step - 1.0)
+    breaks = tuple(int(i) for i in np.flatnonzero(off > GAP) + 1)
+    if (uneven := off[off <= GAP].max()) > UNEVEN:
+        raise BagError(f"The times in {path} are uneven by {100 * uneven:.0f} % of a step; resample them to even ones.")
+    edges = np.array([0, *breaks, len(time)])
+    steps = [(time[b - 1] - time[a]) / (b - 1 - a) for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a > 1]
+    return float(np.average(steps, weights=np.diff(edges)[np.diff(edges) > 1])), breaks
