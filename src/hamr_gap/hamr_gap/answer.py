@@ -85,7 +85,6 @@ def _joint_set(sets: Sequence[Sequence[Mapping]]) -> list[dict]:
     """Combinations of the machines' answers, most probable first, until they hold the coverage. An answer without effects is "unknown"."""
     if not sets:
         return []
-    total = prod(sum(a["probability"] for a in answers) for answers in sets)
     every = sorted(product(*sets), key=lambda some: -prod(a["probability"] for a in some))
     chosen, held = [], 0.0
     for some in every[:MOST]:
@@ -94,7 +93,7 @@ def _joint_set(sets: Sequence[Sequence[Mapping]]) -> list[dict]:
         chosen.append({"effects": merged([e for a in some for e in a["effects"]]), "probability": p, "unknown": len(unknown)}
                       | {"forms": {form: left for a in some for form, left in a["forms"].items()}})
         held += p
-        if held >= COVERAGE * total:
+        if held >= COVERAGE:
             break
     return chosen
 

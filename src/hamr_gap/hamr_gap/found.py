@@ -13,6 +13,7 @@ import numpy as np
 from hamr_dynamics.machine import Machine
 
 from .analyse import Analysis, analyse, changes_of, effects_of, gap_of
+from .experiment import propose
 from .fit import Sensors
 from .hypothesis import Hypothesis
 from .parameters import Candidate
@@ -32,8 +33,8 @@ class Found:
         verdict: `verdict.Verdict` as plain values, and `added`: the effects that close the gap (those of the first answer, or a table).
         tried: [{"effects", "left"}], what each name left of the gap, least first.
         simulation: substeps, mean, held and step of the simulation it rests on.
-        arrays: `rows.STATE` (R,) lane parameters; `bias.STATE`, `gain.STATE` (C,), `shift.STATE` (); `sigma` (C,) noise of a reading;
-            `target` (n, C) readings and `STATE` (n, C) what each state would have read; `report` (n,) readings that nothing has used.
+        arrays: `rows.STATE` (R,) lane parameters; `bias.STATE`, `gain.STATE` (C,), `shift.STATE` ();
+            `report` (n,) readings that nothing has used; `experiment` (m, joints) drives that would decide, if ambiguous.
     """
 
     verdict: dict
@@ -82,8 +83,15 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
         added = effects_of(analysis.prepared, best)
     else:
         added = verdict.set[0].effects if verdict.set else ()
+    arrays = _arrays(analysis, best)
+    rivals = [w.hypothesis for w in analysis.weights[: len(verdict.set)] if w.hypothesis is not None][:2]
+    if verdict.verdict == "ambiguous" and len(rivals) == 2:
+        report("experiment")
+        proposal = propose(analysis.prepared, *rivals)
+        names = tuple(in_words(h.effects, machine.joints) for h in rivals)
+        verdict, arrays["experiment"] = replace(verdict, experiment=proposal.as_dict(names)), proposal.drives
     content = json.dumps(asdict(verdict) | {"added": [asdict(effect) for effect in added]})
-    return Found(json.loads(content), _tried(analysis), _simulation(analysis), _arrays(analysis, best))
+    return Found(json.loads(content), _tried(analysis), _simulation(analysis), arrays)
 
 
 def _tried(analysis: Analysis) -> list[dict]:
@@ -114,10 +122,8 @@ def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:
     }  # fmt: skip
     sensors = {"raw": nothing, "retuned": base.sensors, "after": best.fit.sensors, "removed": best.fit.sensors}
     rows = {state: model.rows(*x[state])[0] for state in STATES}
-    runs = model.run_rows(np.stack([rows[state] for state in STATES]))
-    found = {"sigma": prepared.weighed.sigma, "target": model.target.astype(np.float32), "report": prepared.roles.report}
-    for state, run in zip(STATES, runs, strict=True):
+    found = {"report": prepared.roles.report}
+    for state in STATES:
         s = sensors[state]
         found |= {f"rows.{state}": rows[state], f"bias.{state}": s.bias, f"gain.{state}": s.gain, f"shift.{state}": np.array(s.shift)}
-        found[state] = s.read(run, model.reading_step, model.starts).astype(np.float32)
     return found

@@ -20,6 +20,7 @@ from hamr_dynamics.machine import Machine
 
 from . import emit
 from .answer import answer
+from .drives_bag import write_drives
 from .found import STATES, Found, find
 from .overlay import write_overlay
 from .record import Record
@@ -27,7 +28,7 @@ from .report import write_report
 from .show import closed, show
 
 NAMED, HASH, VERDICT = "named.json", "verdict.sha256", "verdict.json"
-EFFECTS, REPORT, OVERLAY = "effects.yaml", "report.html", "overlay"
+EFFECTS, REPORT, OVERLAY, EXPERIMENT = "effects.yaml", "report.html", "overlay", "experiment"
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,10 @@ def conclude(
     """
     out.mkdir(parents=True, exist_ok=True)
     named = answer({name: part.found for name, part in parts.items()}, refused)
+    if legs and (drives := {name: x for name, part in parts.items() if len(x := part.found.arrays.get("experiment", ()))}):
+        write_drives(drives, {name: parts[name].record for name in drives}, out / EXPERIMENT)
+        for name in drives:
+            named["experiment"][name]["bag"] = str(out / EXPERIMENT)
     text = json.dumps(named, indent=1) + "\n"
     (out / NAMED).write_text(text)
     (out / HASH).write_text(f"{hashlib.sha256(text.encode()).hexdigest()}  {NAMED}\n")

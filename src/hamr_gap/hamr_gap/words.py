@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from .table import TABLE
+
+MOST = 3  # parameters of an effect that are said
 HEADLINES = {
     "no_significant_gap": "No significant gap: the model explains these data to within their noise.",
     "parameters_only": "No effect is missing: other parameters of the same model close the gap.",
@@ -17,8 +20,10 @@ def sentences(found: Mapping) -> list[str]:
     """What `verdict.json` says, most important first."""
     said = [HEADLINES[found["verdict"]]]
     for i, answer in enumerate(found["set"]):
-        start = "Most probable" if i == 0 and len(found["set"]) > 1 else "Or" if i else "It is"
+        start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
+    tables = [e for own in found["machines"].values() for e in own["added"] if e["effect"] == TABLE]
+    said += [f"What acts there, as a table: {e['form'].replace('_', ' ')} at {', '.join(e['joints'])} (in the report and the effects file)." for e in tables]
     if shown := found.get("shown"):
         over, share = shown["over_floor"], shown["closed"]
         after = f", {over['after']:.2f} with what was found" if found["set"] else ""
@@ -42,7 +47,7 @@ def answer_in_words(answer: Mapping) -> str:
 
 def _parameters(effect: Mapping) -> str:
     shown = [f"{name} {number(x['value'])} ({number(x['low'])} to {number(x['high'])}){unit(x['unit'])}" for name, x in effect["parameters"].items()]
-    return ", ".join(shown)
+    return ", ".join([*shown[:MOST], *(["..."] if len(shown) > MOST else [])])
 
 
 def number(x: float) -> str:

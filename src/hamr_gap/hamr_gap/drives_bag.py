@@ -1,0 +1,50 @@
+"""A proposed experiment as a bag of drive voltages, to be played to the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from shutil import rmtree
+
+import numpy as np
+
+from hamr_bags.frames import servo_frame
+from hamr_bags.writer import BagWriter
+from hamr_description.names import AXES, JOINTS, Topic, drive_sign
+from hamr_description.numbers import value
+from hamr_description.rates import SERVO_HZ, SUBSTEPS, TARGET_NS
+from hamr_description.units import time_to_si
+
+from .record import Record
+
+
+def write_drives(drives: Mapping[str, np.ndarray], records: Mapping[str, Record], path: Path) -> None:
+    """Writes /servo/voltages at the servo rate, other joints at neutral; in place of an older bag.
+
+    Args:
+        drives: leg -> (n, 2) V about neutral in the leg's frame, at the drive's steps of its record.
+    """
+    if path.exists():
+        rmtree(path)
+    neutral = value("actuator.neutral_voltage")
+    low, high = value("actuator.ground_voltage"), value("actuator.bias_voltage")
+    every = {leg: _resampled(x, records[leg]) for leg, x in drives.items()}
+    frames = -(-max(len(x) for x in every.values()) // SUBSTEPS)
+    volts = np.full((frames * SUBSTEPS, len(JOINTS)), neutral)
+    for leg, x in every.items():
+        columns = [JOINTS.index(f"{leg}_{axis}") for axis in AXES]
+        volts[: len(x), columns] += drive_sign(leg) * x
+    volts = np.clip(volts, low, high)
+    frame = servo_frame(Topic.SERVO_VOLTAGES, SUBSTEPS)
+    with BagWriter(path) as bag:
+        for k in range(frames):
+            frame.stamp(k * TARGET_NS)
+            frame.numbers["effort"][:] = volts[k * SUBSTEPS : (k + 1) * SUBSTEPS]
+            bag.write(Topic.SERVO_VOLTAGES, bytes(frame), k * TARGET_NS)
+
+
+def _resampled(x: np.ndarray, record: Record) -> np.ndarray:
+    """At the servo rate, each sample held."""
+    step = time_to_si(record.step) / record.drives_per_reading
+    at = np.arange(int(len(x) * step * SERVO_HZ)) / SERVO_HZ
+    return x[np.minimum((at / step + 1e-9).astype(int), len(x) - 1)]

@@ -1,0 +1,51 @@
+"""Drive signals for a proposed experiment: shapes within plus and minus one, at the pace of the machine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hamr_dynamics.machine import Machine
+
+#: Shares of the largest drive that noise has as rms.
+LEVELS = {"gentle": 0.15, "strong": 0.45}
+PARTS = ("slow triangles", "gentle noise", "strong noise", "chirp")
+
+
+def signals(machine: Machine, step: float, count: int, seed: int = 0) -> dict[str, np.ndarray]:
+    """Name -> (count, joints) signal, of slow triangles, white noise at two levels, a chirp, steps that hold, and a bit of each.
+
+    Args:
+        step: T between samples. seed: of the noise and the steps.
+    """
+    rest, n = machine.at_rest, len(machine.joints)
+    rates = [np.sqrt(abs(machine.diagonal(rest.stiffness, j)) / machine.diagonal(rest.mass, j)) / (2 * np.pi) for j in range(n)]
+    pace = max(max(rates), 20.0 / (count * step))  # cycles per T; of a machine without a spring, some in the run
+    found = _parts(n, pace, step, count, seed)
+    found["a bit of each"] = np.concatenate([_parts(n, pace, step, part, seed)[name] for name, part in zip(PARTS, _quarters(count), strict=True)])
+    return {name: x * np.minimum(np.arange(count) * step * pace / 10.0, 1.0)[:, None] for name, x in found.items()}
+
+
+def _quarters(count: int) -> list[int]:
+    edges = np.linspace(0, count, len(PARTS) + 1).astype(int)
+    return np.diff(edges).tolist()
+
+
+def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str, np.ndarray]:
+    t = np.arange(count)[:, None] * step * pace  # in periods of the machine
+    phase = np.arange(n) / (2.0 * n)
+    random = np.random.default_rng(seed)
+    white = random.standard_normal((count // 2 + 1, n, 2))
+    white[np.fft.rfftfreq(count, step) > 2.0 * pace] = 0.0
+    noise = np.fft.irfft(white[..., 0] + 1j * white[..., 1], count, axis=0)
+    noise /= noise.std(axis=0)
+    span = t[-1, 0] + 1e-9
+    low, high = 0.05, 2.0
+    sweep = span * low / np.log(high / low) * ((high / low) ** (t / span) - 1.0)
+    hold = 25  # periods that a level lasts
+    levels = random.uniform(-1.0, 1.0, (int(span / hold) + 1, n))
+    return {
+        "slow triangles": 4.0 * np.abs(np.mod(t / 40.0 + phase + 0.25, 1.0) - 0.5) - 1.0,
+        **{f"{name} noise": np.clip(level * noise, -1.0, 1.0) for name, level in LEVELS.items()},
+        "chirp": 0.6 * np.sin(2.0 * np.pi * (sweep + phase)),
+        "steps that hold": levels[np.minimum((t[:, 0] / hold).astype(int), len(levels) - 1)],
+    }
