@@ -13,6 +13,7 @@ from .screen import BATCH, Screen, Solution
 
 STEPS = np.array([1.0, 0.4, 0.15])  # shares of a linear solution that are simulated
 BLOCKS = 24  # of the judged readings, for spread
+FEWEST = 6  # pieces that are blocks of their own
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,9 @@ class Hypothesis:
         return frozenset(c.name for c in self.effects)
 
     @property
-    def sizes(self) -> int:
-        """Number of sizes."""
-        return sum(len(c.rows(shape=False)) for c in self.effects)
+    def parameters(self) -> int:
+        """Number of sizes and shapes."""
+        return sum(len(c.rows(shape=shape)) for c in self.effects for shape in (False, True))
 
 
 def residual(weighed: Weighed, found: Fit) -> np.ndarray:
@@ -63,8 +64,15 @@ def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], fo
     """A hypothesis from its fit."""
     square = np.where(judged, residual(weighed, found) ** 2, np.nan)
     rows = np.flatnonzero(judged.any(1))
-    blocks = np.array([np.nanmean(square[part]) for part in np.array_split(rows, BLOCKS)])
+    blocks = np.array([np.nanmean(square[part]) for part in _blocks(weighed, rows)])
     return Hypothesis(tuple(effects), found, float(np.nanmean(square[rows])), blocks)
+
+
+def _blocks(weighed: Weighed, rows: np.ndarray) -> list[np.ndarray]:
+    """Judged readings in blocks: what starts anew together belongs together, where there are enough of them."""
+    own = np.searchsorted(weighed.model.starts, rows, side="right")
+    each = [rows[own == k] for k in np.unique(own)]
+    return each if len(each) >= FEWEST else np.array_split(rows, BLOCKS)
 
 
 def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Sequence[Candidate], Solution]]) -> list[Start]:

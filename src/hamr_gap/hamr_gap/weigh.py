@@ -12,14 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hamr_dynamics.effects.library import library
+
 from .hypothesis import Hypothesis
 from .search import Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left
 FORM_ERROR = 0.003  # of the gap: what laws of one name differ by
 ANOTHER_EFFECT = 3.3  # log odds against each effect beyond the first: it must leave a third
+THROUGHOUT = 2.0  # t over blocks by which each effect beyond the first must leave less: what it adds may be luck in a few blocks
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
-ANOTHER_SIZE = 0.15  # log odds against each size
+ANOTHER_SIZE = 0.15  # log odds against each size or shape
+CONTAINS = 1.5  # log odds against a name that has another, simpler one as its special case
 UNKNOWN = 0.2  # of the gap: where names leave more, none of the library is right
 COVERAGE = 0.9  # of a set
 DECIDES = 8.0  # half squared distance in units of noise below which data tell nothing apart (d' of 4)
@@ -43,11 +47,15 @@ def weigh(state: Search, count: int) -> list[Weight]:
     gap = max(state.base.left - state.floor, 1e-12)
     least = FORM_ERROR + 2.0 * DECIDES / (count * gap)
     found: list[tuple[Hypothesis | None, float, float]] = [(None, UNKNOWN, -SHARPNESS * np.log(UNKNOWN + least))]
-    for h in state.by_names().values():
+    best = state.by_names()
+    for names, h in best.items():
+        if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names):
+            continue
         left = max(h.left - state.floor, 0.0) / gap
         if left < 1.0:
             places = sum(len(c.places) - 1 for c in h.effects)
-            price = ANOTHER_EFFECT * (len(h.effects) - 1) + ANOTHER_PLACE * places + ANOTHER_SIZE * h.sizes
+            wide = sum(bool(library()[c.effect].contains) for c in h.effects)
+            price = ANOTHER_EFFECT * (len(h.effects) - 1) + ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
     score = np.array([s for _, _, s in found])
     p = np.exp(score - score.max())
@@ -67,7 +75,10 @@ def credible(weights: Sequence[Weight]) -> list[Weight]:
 
 
 def better(worse: Iterable[float], best: Iterable[float]) -> float:
-    """t of the mean log ratio of two hypotheses over blocks: large where the second leaves less throughout, strong blocks or weak."""
-    d = np.log(np.asarray(worse) / np.asarray(best))
+    """t of the mean of (worse - best) / (worse + best) over blocks: large where the second leaves less throughout, strong blocks or weak.
+
+    That is half the log ratio where they differ little, and bounded, so that luck in one block does not decide.
+    """
+    d = np.tanh(0.5 * np.log(np.asarray(worse) / np.asarray(best)))
     spread = d.std(ddof=1) / np.sqrt(len(d))
     return float(d.mean() / spread) if spread > 0 else 0.0
