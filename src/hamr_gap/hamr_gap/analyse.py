@@ -13,7 +13,7 @@ from hamr_dynamics.machine import CHANGES, Machine
 from .candidates import missing
 from .fit import Fit
 from .hypothesis import Hypothesis, judge, residual
-from .interval import intervals
+from .interval import correlation_time, intervals
 from .parameters import Candidate
 from .prepare import Prepared, prepare
 from .record import Record
@@ -26,6 +26,7 @@ from .where import where
 
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
+SELDOM = 2.0  # how many times surer a likelihood ratio must be, which trusts its noise, than t over blocks, which does not
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,24 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
 
 
 def _evidence(prepared: Prepared, state: Search) -> tuple[float, float]:
-    """How surely some effect leaves less than the re-tune: t over blocks of the readings that selected it, and of fresh ones."""
-    best = state.best
+    """How surely some effect leaves less than the re-tune, in standard deviations: on the readings that selected it, and on fresh ones.
+
+    The larger of two: t over blocks, for what acts all the time, and the root of twice the log likelihood ratio with the noise that
+    the best leaves and its correlation time, for what acts seldom (a stop that is hit twice a second).
+    """
+    best, weighed = state.best, prepared.weighed
     if not best.effects:
         return 0.0, 0.0
-    fresh = mask(prepared.weighed.model, prepared.roles.calibrate)
-    again = [judge(prepared.weighed, fresh, h.effects, h.fit).blocks for h in (prepared.base, best)]
-    return better(prepared.base.blocks, best.blocks), better(*again)
+    fresh = mask(weighed.model, prepared.roles.calibrate)
+    found = []
+    for chosen, base, least in (
+        (prepared.judged, prepared.base, best),
+        (fresh, judge(weighed, fresh, (), prepared.base.fit), judge(weighed, fresh, best.effects, best.fit)),
+    ):
+        independent = chosen.sum() / correlation_time(residual(weighed, best.fit)[chosen.any(1)])
+        ratio = independent * max(base.left - least.left, 0.0) / least.left
+        found.append(max(better(base.blocks, least.blocks), np.sqrt(ratio) / SELDOM))
+    return found[0], found[1]
 
 
 def _nothing(prepared: Prepared) -> str:

@@ -30,12 +30,12 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
     scale = 1.0 / np.sqrt(np.diag(hessian) + precision)
     inverse = np.linalg.pinv((hessian + np.diag(precision)) * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     left = residual(weighed, found)[weighed.chosen.any(1)]
-    inflation = max(1.0, float(np.mean(left**2))) * _correlation_time(left)
+    inflation = max(1.0, float(np.mean(left**2))) * correlation_time(left)
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse)[:n] * inflation, sd**2))
     return np.stack([found.x - half, found.x + half], 1)
 
 
-def _correlation_time(x: np.ndarray) -> float:
+def correlation_time(x: np.ndarray) -> float:
     """Readings per independent one, (n, channels): 1 + 2 sum of autocorrelations up to the first that is not positive."""
     x = np.nan_to_num(x - np.nanmean(x, axis=0))
     n = len(x)

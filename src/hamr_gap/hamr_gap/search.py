@@ -15,15 +15,16 @@ from .parameters import Candidate
 from .record import noise_of
 from .screen import Screen, screen
 
-SINGLES = 8  # names fitted for good
+SINGLES = 10  # names fitted for good
 ALL_FORMS = 3  # of these, in all their forms
 PAIRS = 5
 PAIRS_SEEN = 60  # pairs simulated
 MORE = 4
 SHAPES = 2  # sets of shapes of each candidate that are simulated
-ENOUGH = 0.02  # of the gap: nothing smaller is looked for, laws of one name differ by more
+ENOUGH = 0.004  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
 CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
+FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
 
 
 @dataclass
@@ -68,7 +69,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     for size in range(2, LARGEST + 1):
         state.floor = noise_floor(weighed, judged, state.best)
         excess = state.best.left - state.floor
-        if excess * count < CLEAR or excess < ENOUGH * (base.left - state.floor):
+        if excess * count < CLEAR or excess < max(FAINT, ENOUGH * (base.left - state.floor)):
             break
         report(f"sets of {size}")
         new = _pairs(weighed, judged, base.fit, seen, alone) if size == 2 else []

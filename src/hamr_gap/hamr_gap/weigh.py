@@ -18,11 +18,11 @@ from .hypothesis import Hypothesis
 from .search import Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left
-FORM_ERROR = 0.003  # of the gap: what laws of one name differ by
-ANOTHER_EFFECT = 3.3  # log odds against each effect beyond the first: it must leave a third
+FORM_ERROR = 0.0003  # of the gap: nothing is told apart below this
+ANOTHER_EFFECT = 6.0  # log odds against each effect beyond the first: it must leave a seventh
 THROUGHOUT = 2.0  # t over blocks by which each effect beyond the first must leave less: what it adds may be luck in a few blocks
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
-ANOTHER_SIZE = 0.15  # log odds against each size or shape
+ANOTHER_SIZE = 0.1  # log odds against each size or shape
 CONTAINS = 1.5  # log odds against a name that has another, simpler one as its special case
 UNKNOWN = 0.2  # of the gap: where names leave more, none of the library is right
 COVERAGE = 0.9  # of a set

@@ -17,14 +17,25 @@ def hard(x: Input, p, z):
     return clip(x.u, -limit, limit), z
 
 
+def sides(x: Input, p, z):
+    """u within -1/lower and +1/upper."""
+    return clip(x.u, -(1.0 / p["lower"]), 1.0 / p["upper"]), z
+
+
+THRESHOLDS = (0.35, 0.45, 0.6, 0.8)  # one over a limit has no effect until the limit is met
+
 EFFECT = Effect(
     name="drive_saturation",
     part="actuator",
     summary="The drive levels off at large commands.",
     forms=(
         Form("soft", "drive", soft, (Parameter("curvature", "1/U^2", 0.05, 0.0, 5.0, "one over the squared limit"),), order=4),
-        Form("hard", "drive", hard, (Parameter("sharpness", "1/U", 0.6, 0.0, 5.0, "one over the limit", screen=(0.35, 0.45, 0.6, 0.8)),), order=4),
+        Form("hard", "drive", hard, (Parameter("sharpness", "1/U", 0.6, 0.0, 5.0, "one over the limit", screen=THRESHOLDS),), order=4),
+        Form("sides", "drive", sides, (
+            Parameter("upper", "1/U", 0.6, 0.0, 5.0, "one over the upper limit", screen=THRESHOLDS),
+            Parameter("lower", "1/U", 0.6, 0.0, 5.0, "one over the lower limit, as a positive number", screen=THRESHOLDS),
+        ), order=4),
     ),
     experiment="three amplitudes up to the rails",
     source="gap_method 3.2; amplifiers near their rails",
-)
+)  # fmt: skip

@@ -35,7 +35,7 @@ EFFECT = Effect(
         ), states=1, order=7),
         Form("logarithmic", "drive", logarithmic, (
             Parameter("size", "1", 0.02, -0.5, 1.0, "share of the voltage per decade"),
-            Parameter("time", "T", 10.0, 1.0, 100.0, "shortest creep time", shape=True, screen=(10.0,)),
+            Parameter("time", "T", 10.0, 1.0, 100.0, "shortest creep time", shape=True, screen=(2.0, 10.0)),
         ), states=4, order=7),
     ),
     experiment="steps held for 1 to 10 s",

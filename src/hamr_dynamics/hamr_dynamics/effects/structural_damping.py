@@ -13,7 +13,7 @@ SHARE = log(RATIO) / (0.5 * pi)
 
 
 def ladder(x: Joint, p, z):
-    """Six Maxwell elements with times a factor of four apart: loss modulus flat within 4 % over two decades and a half."""
+    """Six Maxwell elements with times a factor of four apart: loss modulus flat within 5 % over 1.4 decades, 10 % over 2.1."""
     force, stiffness, new = 0.0, 0.0, []
     for i, inner in enumerate(z):
         time = p["time"] * RATIO ** (i - 0.5 * (ELEMENTS - 1))
