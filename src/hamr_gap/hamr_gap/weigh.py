@@ -18,8 +18,9 @@ from .hypothesis import Hypothesis
 from .search import Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left
-FORM_ERROR = 0.0003  # of the gap: nothing is told apart below this
-ANOTHER_EFFECT = 6.0  # log odds against each effect beyond the first: it must leave a seventh
+FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
+ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
+ONE_MORE = 3.0  # log odds against each beyond the second
 THROUGHOUT = 2.0  # t over blocks by which each effect beyond the first must leave less: what it adds may be luck in a few blocks
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 ANOTHER_SIZE = 0.1  # log odds against each size or shape
@@ -55,7 +56,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
         if left < 1.0:
             places = sum(len(c.places) - 1 for c in h.effects)
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
-            price = ANOTHER_EFFECT * (len(h.effects) - 1) + ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
+            price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0) + ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
     score = np.array([s for _, _, s in found])
     p = np.exp(score - score.max())
