@@ -90,8 +90,10 @@ def _joint_set(sets: Sequence[Sequence[Mapping]]) -> list[dict]:
     for some in every[:MOST]:
         p = prod(a["probability"] for a in some)
         unknown = [i for i, a in enumerate(some) if not a["effects"]]
-        chosen.append({"effects": merged([e for a in some for e in a["effects"]]), "probability": p, "unknown": len(unknown)}
-                      | {"forms": {form: left for a in some for form, left in a["forms"].items()}})
+        chosen.append(
+            {"effects": merged([e for a in some for e in a["effects"]]), "probability": p, "unknown": len(unknown)}
+            | {"forms": {form: left for a in some for form, left in a["forms"].items()}}
+        )
         held += p
         if held >= COVERAGE:
             break

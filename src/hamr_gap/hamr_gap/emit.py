@@ -29,7 +29,9 @@ def write(founds: Iterable[Found], path: Path) -> None:
          "parameters": {key: {"value": x["value"], "unit": x["unit"]} for key, x in parameters.items()}}
         for found in founds for name, form, joints, parameters in _effects(found)
     ]  # fmt: skip
-    changes = [{"change": name, "joints": [joint], "value": x["value"], "unit": x["unit"]} for f in founds for name, joint, x in _changes(f)]
+    changes = [
+        {"change": name, "joints": [joint], "value": x["value"], "unit": x["unit"]} for f in founds for name, joint, x in _changes(f)
+    ]
     path.write_text(yaml.safe_dump({"effects": effects, "changes": changes}, sort_keys=False, default_flow_style=None, width=140))
 
 

@@ -21,7 +21,9 @@ def signals(machine: Machine, step: float, count: int, seed: int = 0) -> dict[st
     rates = [np.sqrt(abs(machine.diagonal(rest.stiffness, j)) / machine.diagonal(rest.mass, j)) / (2 * np.pi) for j in range(n)]
     pace = max(max(rates), 20.0 / (count * step))  # cycles per T; of a machine without a spring, some in the run
     found = _parts(n, pace, step, count, seed)
-    found["a bit of each"] = np.concatenate([_parts(n, pace, step, part, seed)[name] for name, part in zip(PARTS, _quarters(count), strict=True)])
+    found["a bit of each"] = np.concatenate(
+        [_parts(n, pace, step, part, seed)[name] for name, part in zip(PARTS, _quarters(count), strict=True)]
+    )
     return {name: x * np.minimum(np.arange(count) * step * pace / 10.0, 1.0)[:, None] for name, x in found.items()}
 
 

@@ -19,7 +19,7 @@ TOPICS = {"/measured": "target", "/retuned": "retuned", "/simulated": "after"}
 
 
 def write_overlay(pictures: Mapping[str, Mapping[str, np.ndarray]], path: Path) -> None:
-    """Writes /measured, /retuned and /simulated/joint_states (sensor_msgs/JointState, rad, in the robot's own signs); in place of an older one.
+    """Writes /measured, /retuned and /simulated/joint_states (sensor_msgs/JointState, rad, in the robot's signs); replaces an older bag.
 
     Args:
         pictures: arrays of `show.show` by leg.
@@ -35,7 +35,9 @@ def write_overlay(pictures: Mapping[str, Mapping[str, np.ndarray]], path: Path) 
             signs = np.concatenate([joint_signs(leg) for leg in legs])
             times = np.round(pictures[legs[0]]["time"] * NS).astype(np.int64)
             series = {
-                prefix + Topic.JOINT_STATES: _messages(joints, times, signs * np.hstack([pictures[leg][state][:, : len(AXES)] for leg in legs]))
+                prefix + Topic.JOINT_STATES: _messages(
+                    joints, times, signs * np.hstack([pictures[leg][state][:, : len(AXES)] for leg in legs])
+                )
                 for prefix, state in TOPICS.items()
             }
             for k, stamp in enumerate(times.tolist()):

@@ -48,7 +48,14 @@ def traces(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) -
             for state in ("target", *states):
                 y = factor * arrays[state][part, c]
                 colour, words = LOOK[state]
-                above.plot(arrays["time"][part], y, color=colour, lw=2.6 if state == "target" else 1.1, alpha=0.35 if state == "target" else 1, label=words)
+                above.plot(
+                    arrays["time"][part],
+                    y,
+                    color=colour,
+                    lw=2.6 if state == "target" else 1.1,
+                    alpha=0.35 if state == "target" else 1,
+                    label=words,
+                )
                 if state not in ("target", "raw"):
                     below.plot(arrays["time"][part], factor * arrays["target"][part, c] - y, color=colour, lw=0.9)
             noise = 2.0 * factor * arrays["noise"][c]
@@ -82,7 +89,7 @@ def spectra(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) 
             axis.set_title(channel)
             axis.set_xlabel("Hz")
             axis.set_ylabel(f"difference, {said}/sqrt(Hz)")
-        axes[0, 0].legend(fontsize=8)
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=len(states) + 1)
     return figure
 
 
@@ -118,7 +125,13 @@ def maps(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) -> 
                 axis = axes[0, c * len(states) + k]
                 axis.grid(False)
                 image = axis.imshow(
-                    found[state].T, origin="lower", aspect="auto", extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]), cmap="RdBu_r", vmin=-top, vmax=top
+                    found[state].T,
+                    origin="lower",
+                    aspect="auto",
+                    extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]),
+                    cmap="RdBu_r",
+                    vmin=-top,
+                    vmax=top,
                 )
                 axis.set_title(f"{channel}, {LOOK[state][1]}", fontsize=8)
                 axis.set_xlabel(said)
@@ -186,7 +199,9 @@ def table_effect(effect: Mapping) -> Figure:
             top = float(np.abs(force).max()) or 1.0
             ends = [(nodes[0] - 0.5) * values[name]["value"] for name in ("angle", "rate")]
             axis.grid(False)
-            image = axis.imshow(force.T, origin="lower", aspect="auto", cmap="RdBu_r", vmin=-top, vmax=top, extent=(ends[0], -ends[0], ends[1], -ends[1]))
+            image = axis.imshow(
+                force.T, origin="lower", aspect="auto", cmap="RdBu_r", vmin=-top, vmax=top, extent=(ends[0], -ends[0], ends[1], -ends[1])
+            )
             figure.colorbar(image, label=f"force, {values['f00']['unit']}")
             axis.set_xlabel(f"{values['angle']['unit']}")
             axis.set_ylabel(f"{values['rate']['unit']}")

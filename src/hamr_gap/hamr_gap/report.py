@@ -18,8 +18,9 @@ CSS = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; line-height: 1.25; } h2 { font-size: 1.15rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd; }
 h3 { font-size: 1rem; margin-bottom: .3rem; } table { border-collapse: collapse; margin: .6rem 0; }
-td, th { padding: .2rem .9rem .2rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #eee; font-variant-numeric: tabular-nums; }
-th { font-weight: 600; color: #555; } td.n, th.n { text-align: right; } img { max-width: 100%; display: block; margin: .5rem 0 1rem; }
+td, th { padding: .2rem .9rem .2rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #eee; }
+td { font-variant-numeric: tabular-nums; }
+th { font-weight: 600; color: #555; } img { max-width: 100%; display: block; margin: .5rem 0 1rem; }
 code { background: #f4f4f4; padding: .1rem .3rem; } .big li:first-child { font-weight: 600; } .quiet { color: #666; font-size: .9rem; }
 """
 
@@ -30,7 +31,13 @@ def write_report(found: Mapping, pictures: Mapping[str, plots.Arrays], path: Pat
     effect = bool(found["set"])
     states = ("raw", "retuned", "after", "removed") if effect else ("raw", "retuned")
     shown = found["shown"]
-    body = [f"<h1>{escape(first)}</h1>", _list(rest, "big"), _set(found), "<h2>Before and after</h2>", f"<p>On {escape(shown['data'])}.</p>"]
+    body = [
+        f"<h1>{escape(first)}</h1>",
+        _list(rest, "big"),
+        _set(found),
+        "<h2>Before and after</h2>",
+        f"<p>On {escape(shown['data'])}.</p>",
+    ]
     body.append(_image(plots.gap_bars({name: s["over_floor"] for name, s in shown["machines"].items()}, states), "gap of each machine"))
     body += [_gaps(shown, states), _horizons(shown, states), "<h2>Where the gap is</h2>", _list(found["where"])]
     for name, own in found["machines"].items():
@@ -45,10 +52,14 @@ def _machine(name: str, own: Mapping, shown: Mapping, arrays: plots.Arrays, *, e
     units = {channel: values["unit"] for channel, values in shown["channels"].items()}
     joints = {channel: u for channel, u in units.items() if channel in own["joints"]}
     states = ("raw", "retuned", "after") if effect else ("raw", "retuned")
-    body = [f"<h2>{escape(name)}: {escape(own['verdict'].replace('_', ' '))}</h2>", "<h3>Measured and simulated</h3>"]
+    body = [f"<h2>{escape(name)}: {escape(own['verdict'].replace('_', ' '))}</h2>"]
+    body.append("<h3>Measured and simulated, where the re-tuned model is worst</h3>")
     body.append(_image(plots.traces(arrays, joints, states[1:] if effect else states), "readings over a short window"))
     body += ["<h3>Spectra of the difference</h3>", _image(plots.spectra(arrays, joints, states), "spectra")]
-    body += ["<h3>Difference over angle and rate</h3>", _image(plots.maps(arrays, joints, states[1:]), "mean difference over angle and rate")]
+    body += [
+        "<h3>Difference over angle and rate</h3>",
+        _image(plots.maps(arrays, joints, states[1:]), "mean difference over angle and rate"),
+    ]
     if own["tried"]:
         right = [" + ".join(f"{e['effect']} ({', '.join(e['joints'])})" for e in a["effects"]) for a in own["set"]]
         body += ["<h3>What each name leaves of the gap</h3>", _image(plots.left_by_names(own["tried"], right), "gap left by each name")]
@@ -86,12 +97,17 @@ def _gaps(shown: Mapping, states: Sequence[str]) -> str:
 def _horizons(shown: Mapping, states: Sequence[str]) -> str:
     rows = [[f"after {h}", *(f"{x[s]:.2f}" for s in states)] for h, x in shown["horizons"].items()]
     rows.append(["free run", *(f"{shown['over_floor'][s]:.2f}" for s in states)])
-    about = "<p class='quiet'>Runs that start anew from the measured motion; in units of the sensor noise, which is also in their start.</p>"
+    about = (
+        "<p class='quiet'>Runs that start anew from the measured motion; in units of the sensor noise, which is also in their start.</p>"
+    )
     return "<h3>By horizon</h3>" + about + _table(["", *(plots.LOOK[s][1] for s in states)], rows)
 
 
 def _changes(found: Mapping) -> str:
-    rows = [[p["name"], p["joint"], number(p["value"]) + unit(p["unit"]), f"{number(p['low'])} to {number(p['high'])}"] for p in found["parameters"]]
+    rows = [
+        [p["name"], p["joint"], number(p["value"]) + unit(p["unit"]), f"{number(p['low'])} to {number(p['high'])}"]
+        for p in found["parameters"]
+    ]
     about = "<p>What was added to the model's own parameters beside the effects (gain: relative).</p>"
     return "<h2>Re-tuned parameters</h2>" + about + _table(["parameter", "joint", "change", "95 % interval"], rows)
 

@@ -34,7 +34,10 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
     rows = np.stack([found.arrays[f"rows.{state}"] for state in STATES])
     used = found.arrays["report"] if not fresh else _settled(model)
     noise = noise_of(record.readings) / np.sqrt(model.mean)
-    runs = {state: found.sensors(state).read(run, model.reading_step, model.starts) for state, run in zip(STATES, model.run_rows(rows), strict=True)}
+    runs = {
+        state: found.sensors(state).read(run, model.reading_step, model.starts)
+        for state, run in zip(STATES, model.run_rows(rows), strict=True)
+    }
     chosen = used[:, None] & np.isfinite(model.target)
     left = {state: np.where(chosen, model.target - run, np.nan) for state, run in runs.items()}
     over = {state: _rms(x / noise) for state, x in left.items()}
@@ -92,7 +95,8 @@ def _pictured(machine: Machine, model: Model, noise: np.ndarray, used: np.ndarra
     factor = np.array([channel_si(machine, channel)[0] for channel in model.record.channels])
     step = model.reading_step * machine.to_si["T"]
     length = min(int(WINDOW_S / step), len(used))
-    begin = int(np.argmax(np.convolve(used, np.ones(length), "valid") * np.linspace(1.0, 1.01, len(used) - length + 1)))
+    left = np.nan_to_num(np.where(used[:, None], (model.target - runs["retuned"]) / noise, 0.0))
+    begin = int(np.argmax(np.convolve(np.sum(left**2, axis=1), np.ones(length), "valid")))  # where the re-tuned model is worst
     found = {"time": np.arange(len(used)) * step, "used": used, "window": np.array([begin, begin + length]), "noise": noise * factor}
     found |= {state: (run * factor).astype(np.float32) for state, run in runs.items()}
     return found | {"target": (model.target * factor).astype(np.float32)}

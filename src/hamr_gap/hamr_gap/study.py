@@ -119,7 +119,9 @@ def _together(shown: Mapping[str, dict], *, fresh: bool) -> dict:
     over = {state: _mean([s["over_floor"][state] for s in shown.values()]) for state in STATES}
     horizons = {h: {state: _mean([s["horizons"][h][state] for s in shown.values()]) for state in STATES}
                 for h in next(iter(shown.values()))["horizons"]}  # fmt: skip
-    data = "data that nothing had used before" if fresh else "the part of the measured data that was kept for this and used for nothing else"
+    data = (
+        "data that nothing had used before" if fresh else "the part of the measured data that was kept for this and used for nothing else"
+    )
     return {"data": data, "over_floor": over, "closed": closed(over), "horizons": horizons, "machines": dict(shown)}
 
 

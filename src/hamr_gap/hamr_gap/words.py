@@ -23,7 +23,10 @@ def sentences(found: Mapping) -> list[str]:
         start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
     tables = [e for own in found["machines"].values() for e in own["added"] if e["effect"] == TABLE]
-    said += [f"What acts there, as a table: {e['form'].replace('_', ' ')} at {', '.join(e['joints'])} (in the report and the effects file)." for e in tables]
+    said += [
+        f"What acts there, as a table: {e['form'].replace('_', ' ')} at {', '.join(e['joints'])} (in the report and the effects file)."
+        for e in tables
+    ]
     if shown := found.get("shown"):
         over, share = shown["over_floor"], shown["closed"]
         after = f", {over['after']:.2f} with what was found" if found["set"] else ""
@@ -46,7 +49,10 @@ def answer_in_words(answer: Mapping) -> str:
 
 
 def _parameters(effect: Mapping) -> str:
-    shown = [f"{name} {number(x['value'])} ({number(x['low'])} to {number(x['high'])}){unit(x['unit'])}" for name, x in effect["parameters"].items()]
+    shown = [
+        f"{name} {number(x['value'])} ({number(x['low'])} to {number(x['high'])}){unit(x['unit'])}"
+        for name, x in effect["parameters"].items()
+    ]
     return ", ".join([*shown[:MOST], *(["..."] if len(shown) > MOST else [])])
 
 

@@ -1,0 +1,210 @@
+"""Parts of the workflow after the verdict, each against a truth of its own."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hamr_bags.cdr import NS
+from hamr_bags.frames import trajectory_layout
+from hamr_bags.layout import Frame
+from hamr_bags.writer import BagWriter
+from hamr_description.errors import BagError
+from hamr_description.names import JOINTS, Topic, drive_sign
+from hamr_dynamics.effects.effects_file import PlacedEffect
+from hamr_dynamics.effects.library import library
+from hamr_dynamics.machine import linear_machine
+from hamr_gap import emit
+from hamr_gap.answer import answer, merged, place_of
+from hamr_gap.drives_bag import write_drives
+from hamr_gap.excite import signals
+from hamr_gap.experiment import propose
+from hamr_gap.hypothesis import refine, residual, starts
+from hamr_gap.measured import FIELDS, read
+from hamr_gap.parameters import Candidate
+from hamr_gap.prepare import prepare
+from hamr_gap.record import Record
+from hamr_gap.screen import screen
+from hamr_gap.table import fit_table
+
+STEP = 1e-3
+HZ = 4000
+
+
+def frames(path, topics: dict[str, tuple[np.ndarray, np.ndarray]], per: int = 16):
+    """A bag of both joints of one leg; topic -> times (m,) ns of the messages, values (m, per, 2)."""
+    with BagWriter(path) as bag:
+        for topic, (times, values) in topics.items():
+            names = JOINTS[:2] if topic == Topic.SERVO_JOINTS else tuple(f"{joint}_actuator" for joint in JOINTS[:2])
+            field = FIELDS[topic]
+            count = values.shape[1]
+            frame = Frame(trajectory_layout(names, (field,), count))
+            frame.numbers["time_from_start"][:] = np.stack(np.divmod(np.arange(count) * (4_000_000 // count), NS), axis=-1)
+            for time, part in zip(times.tolist(), values, strict=True):
+                frame.stamp(time)
+                frame.numbers[field][:] = part
+                bag.write(topic, bytes(frame), time)
+    return path
+
+
+def test_lost_messages_are_nan_where_they_were_and_drives_may_be_faster(tmp_path):
+    random = np.random.default_rng(0)
+    times = np.arange(10) * 4_000_000
+    angles, volts = random.normal(size=(10, 16, 2)), random.normal(size=(10, 80, 2))
+    kept = np.delete(np.arange(10), 4)
+    bag = frames(tmp_path / "bag", {Topic.SERVO_JOINTS: (times[kept], angles[kept]), Topic.SERVO_VOLTAGES: (times, volts)})
+    samples = read(bag)
+    assert samples.legs == ("fl",)
+    assert samples.deflections is None
+    lost = np.isnan(samples.angles).all(1)
+    assert np.flatnonzero(lost).tolist() == list(range(64, 80))
+    np.testing.assert_array_equal(samples.angles[~lost], angles[kept].reshape(-1, 2))
+    np.testing.assert_array_equal(samples.voltages, volts.reshape(-1, 2))
+
+
+@pytest.mark.parametrize(("shift", "says"), [(110_000, "even clock"), (10 * NS, "no time in common")])
+def test_clocks_that_disagree_are_said(tmp_path, shift, says):
+    times, values = np.arange(10) * 4_000_000, np.zeros((10, 16, 2))
+    joints = times + shift if shift > NS else times + (np.arange(10) % 3 > 0) * shift
+    with pytest.raises(BagError, match=says):
+        read(frames(tmp_path / "bag", {Topic.SERVO_JOINTS: (joints, values), Topic.SERVO_VOLTAGES: (times, values)}))
+
+
+@pytest.mark.parametrize(
+    ("joints", "word"),
+    [
+        (JOINTS[::2], "swing"), (JOINTS, "all"), (JOINTS[:2], "fl"), (JOINTS[3:4], "rl_lift"), (("arm",), "arm"),
+        ((JOINTS[0], JOINTS[3]), "fl_swing, rl_lift"),
+    ],
+)  # fmt: skip
+def test_places_have_the_shortest_name(joints, word):
+    assert place_of(joints) == word
+
+
+def effect(joint: str, value: float) -> dict:
+    estimate = {"value": value, "low": value - 1.0, "high": value + 1.0, "unit": "N*m"}
+    return {"effect": "backlash", "form": "gap", "joints": [joint], "parameters": {"level": {joint: estimate}}}
+
+
+def test_equal_names_of_several_legs_become_one():
+    (one,) = merged([effect(joint, x) for joint, x in zip(JOINTS[::2], (1.0, 2.0, 3.0, 9.0), strict=True)])
+    assert one["place"] == "swing"
+    level = one["parameters"]["level"]
+    assert (level["value"], level["low"], level["high"]) == (2.5, 0.0, 10.0)
+    assert level["at"] == dict(zip(JOINTS[::2], (1.0, 2.0, 3.0, 9.0), strict=True))
+
+
+def verdict(name: str, *answers: tuple[str, float]) -> SimpleNamespace:
+    gap = {"raw": 3.0, "retuned": 2.0, "after": 1.0, "floor": 1.0, "per_channel": {}}
+    found = [{"effects": [effect(e, 1.0)], "probability": p, "left": 0.0, "forms": {}} for e, p in answers]
+    content = {
+        "verdict": name,
+        "set": found,
+        "gap": gap,
+        "parameters": {},
+        "not_observable": {},
+        "where": [],
+        "notes": [],
+        "experiment": None,
+    }
+    return SimpleNamespace(verdict=content, tried=[])
+
+
+def test_legs_answer_together_and_the_least_certain_one_sets_the_tone():
+    whole = answer({"fl": verdict("ambiguous", ("fl_swing", 0.6), ("fl_lift", 0.35)), "rl": verdict("named", ("rl_swing", 0.95)),
+                    "fr": verdict("no_significant_gap")})  # fmt: skip
+    assert whole["verdict"] == "ambiguous"
+    assert [a["effects"][0]["place"] for a in whole["set"]] == ["fl_swing, rl_swing", "fl_lift, rl_swing"]
+    assert [a["probability"] for a in whole["set"]] == pytest.approx([0.57, 0.3325])
+
+
+def test_an_effect_at_two_joints_is_written_for_each_with_its_own_parameters():
+    each = {joint: {"value": x, "unit": "", "low": x, "high": x} for joint, x in zip(JOINTS[:2], (1e-6, 2e-6), strict=True)}
+    width = {joint: {"value": 0.1, "unit": "", "low": 0.0, "high": 1.0} for joint in JOINTS[:2]}
+    added = {"effect": "coulomb_friction", "form": "sign", "joints": list(JOINTS[:2]), "parameters": {"level": each, "width": width}}
+    stiffer = {"stiffness": {JOINTS[1]: {"value": 1e-5, "unit": "N*m/rad", "low": 0.0, "high": 1.0}}}
+    found = SimpleNamespace(verdict={"verdict": "named", "added": [added], "parameters": stiffer})
+    file = emit.of_legs([found])
+    assert file.effects == tuple(
+        PlacedEffect("coulomb_friction", "sign", (joint,), {"level": x, "width": 0.1})
+        for joint, x in zip(JOINTS[:2], (1e-6, 2e-6), strict=True)
+    )
+    assert [(c.change, c.joints, c.value) for c in file.changes] == [("stiffness", (JOINTS[1],), 1e-5)]
+
+
+def test_a_proposed_experiment_reaches_the_robot_in_its_own_signs_and_limits(tmp_path):
+    drives = np.column_stack([np.linspace(-150.0, 150.0, 400), np.full(400, 5.0)])
+    leg = "fr"
+    record = SimpleNamespace(step=1e3 / HZ, drives_per_reading=1)
+    write_drives({leg: drives}, {leg: record}, tmp_path / "bag")
+    with pytest.raises(BagError, match="holds no"):
+        read(tmp_path / "bag")  # voltages alone, to be played
+    from hamr_bags.bag import open_bag
+    from hamr_bags.decode import decode_all
+    from hamr_bags.frames import SERVO_NAMES
+    from hamr_bags.topics import TRAJECTORY
+
+    with open_bag(tmp_path / "bag") as bag:
+        raws = bag.raws(Topic.SERVO_VOLTAGES)[1]
+    volts = np.concatenate([n["effort"].reshape(-1, 8) for _, n in decode_all(raws, TRAJECTORY, SERVO_NAMES[Topic.SERVO_VOLTAGES])])
+    assert len(volts) == 400 * 5
+    np.testing.assert_allclose(volts[:, 4], np.clip(112.5 + drive_sign(leg) * np.repeat(drives[:, 0], 5), 0.0, 225.0))
+    np.testing.assert_array_equal(np.delete(volts, [4, 5], axis=1), 112.5)
+
+
+def oscillator(extra, seconds: float = 12.0, noise: float = 2e-4):
+    """A machine of 12 Hz and a record of it with a force of its own, by small steps of another method (velocity Verlet with damping)."""
+    inertia, stiffness, damping = 1.0, (2 * np.pi * 12.0) ** 2, 8.0
+    random = np.random.default_rng(3)
+    n, fine = int(seconds / STEP), 10
+    spectrum = random.standard_normal((n // 2 + 1, 2)) @ (1.0, 1j) * (np.fft.rfftfreq(n, STEP) < 30.0)
+    drive = np.fft.irfft(spectrum, n)
+    drive *= np.minimum(np.arange(n) / 500.0, 1.0) * 4000.0 / drive.std()
+    q = v = 0.0
+    h, angles = STEP / fine, np.empty(n)
+    for k in range(n):
+        angles[k] = q
+        for _ in range(fine):
+            v += h * (drive[k] - stiffness * q - damping * v + extra(q, v)) / inertia
+            q += h * v
+    machine = linear_machine("test_oscillator", inertia=inertia, stiffness=stiffness, damping=damping)
+    readings = angles[:, None] + noise * angles.std() * random.standard_normal((n, 1))
+    return machine, Record(drive[:, None], readings, STEP, machine.channels, held=True)
+
+
+def test_a_law_without_a_name_is_found_as_a_table():
+    machine, record = oscillator(lambda q, v: -1500.0 * np.sin(3.0 * q) * np.exp(-((v / 40.0) ** 2)), noise=0.01)
+    prepared = prepare(machine, record)
+    found = fit_table(prepared)
+    assert found.effects[0].effect == "force_table"
+    assert found.left - 1.0 < 0.4 * (prepared.base.left - 1.0)
+
+
+def test_signals_of_an_experiment_stay_within_the_drive_and_start_gently():
+    machine = linear_machine("test_signals", inertia=1.0, stiffness=100.0)
+    for name, x in signals(machine, 0.01, 3000).items():
+        assert x.shape == (3000, 1), name
+        assert np.abs(x).max() <= 1.0 + 1e-12, name
+        assert np.abs(x[:3]).max() < 0.05, name
+        assert x.std() > 0.05, name
+
+
+def test_an_experiment_is_proposed_that_tells_rivals_apart():
+    """Friction against drag: one weakens with amplitude, the other grows, so a signal of many amplitudes decides."""
+    machine, record = oscillator(lambda q, v: -300.0 * np.tanh(v / 0.5))
+    prepared = prepare(machine, record)
+    rivals = [Candidate(name, library()[name].forms[0].name, (0,)) for name in ("coulomb_friction", "quadratic_damping")]
+    seen = screen(
+        prepared.weighed, prepared.base.fit, rivals, amplitude=float(np.sqrt(np.mean(residual(prepared.weighed, prepared.base.fit) ** 2)))
+    )
+    fits = [refine(prepared.weighed, prepared.judged, s)
+            for c in rivals for s in starts(prepared.weighed, prepared.base.fit, seen, [((c,), seen.best(c)[0])])]  # fmt: skip
+    proposal = propose(prepared, *fits)
+    assert proposal.signal
+    assert proposal.d_prime[proposal.signal] == max(proposal.d_prime.values()) > 5.0
+    assert np.abs(proposal.drives).max() <= np.abs(record.drives).max() * (1 + 1e-12)
+    same = propose(prepared, fits[0], fits[0])
+    assert same.signal == ""
+    assert "no drive signal" in same.as_dict(("a", "a"))["sentence"]
