@@ -16,8 +16,8 @@ from hamr_dynamics.machine import Machine
 from .record import Record, noise_of
 
 FORGETS = 0.1  # of a record: a machine whose slowest decay takes longer runs in pieces
-SECONDS = 1.0  # of a piece, of a machine that says nothing about it
-MANY = 16  # pieces there should be
+SECONDS = 1.0  # of a piece of a machine that does not swing, at most
+MANY = 32  # pieces there should be
 FEWEST = 40  # readings of a piece
 RUN_IN = 0.2  # of a piece
 ORDER = 3  # of the local polynomials
@@ -71,7 +71,7 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
 
 def _memory(machine: Machine) -> tuple[float, float]:
     """T of the slowest decay of the machine's own linear motion (infinite without a spring), and the length of a telling piece:
-    four periods of what swings, else the slowest decay there is."""
+    four periods of what swings, else twice the slowest decay there is."""
     rest, n = machine.at_rest, len(machine.joints)
     mass, stiffness, damping = (_square(m, n) for m in (rest.mass, rest.stiffness, rest.damping))
     inverse = np.linalg.inv(mass)
@@ -82,8 +82,8 @@ def _memory(machine: Machine) -> tuple[float, float]:
     slow = 1.0 / decay.min() if decay.min() > lost else np.inf
     if swing.max() > lost:
         return slow, 8.0 * np.pi / swing[swing > lost].min()
-    usual = 1.0 / decay[decay > lost].min() if decay.max() > lost else SECONDS / machine.to_si["T"]
-    return slow, usual
+    second = SECONDS / machine.to_si["T"]
+    return slow, min(2.0 / decay[decay > lost].min(), second) if decay.max() > lost else second
 
 
 def _square(entries: tuple, n: int) -> np.ndarray:

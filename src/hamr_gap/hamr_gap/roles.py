@@ -15,7 +15,8 @@ SHARES = {"fit": 0.5, "select": 0.25, "calibrate": 0.1, "report": 0.15}
 DEAD_S = 0.5  # between roles, less where a whole record is short
 DEAD_SHARE = 0.03
 CYCLE_S = 4.0  # in which each role has its turn, so that all see every kind of excitation
-TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces
+TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces, shuffled anew each time
+FRESH = 0.2  # of a piece: dead time enough where all starts anew
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +58,14 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
 
 
 def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:
-    """Whole pieces, several where they are short, with dead time at the beginning of each turn, where a piece has little to say."""
+    """Whole pieces, in turns that follow no rhythm; dead time is at the beginning of each turn, where a piece has little to say."""
     roles = {name: np.zeros(n, bool) for name in SHARES}
     usual = float(np.median(pieces.stop - pieces.first))
-    together = max(1, min(int(np.ceil(2 * dead / usual)), len(pieces) // len(TURNS)))
-    dead = int(min(dead, 0.5 * together * usual))
-    fresh, before = 0, TURNS[0]
-    for k, (start, stop) in enumerate(zip(pieces.first, pieces.stop, strict=True)):
-        name = TURNS[k // together % len(TURNS)]
+    dead = int(min(dead, FRESH * usual))
+    random = np.random.default_rng(0)  # or turns keep step with an excitation that repeats itself
+    turns = [name for _ in range(-(-len(pieces) // len(TURNS))) for name in random.permutation(TURNS)]
+    fresh, before = 0, turns[0]
+    for name, (start, stop) in zip(turns, zip(pieces.first, pieces.stop, strict=True), strict=False):
         if name != before:
             fresh, before = start + dead, name
         roles[name][max(start, fresh) : stop] = True
