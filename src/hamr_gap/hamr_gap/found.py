@@ -68,8 +68,11 @@ class Found:
             return None
 
 
-def find(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None) -> Found:
+def find(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None, *, seed: int = 0) -> Found:
     """Analyses one machine; where no name explains the gap, the force that does is found as a table.
+
+    Args:
+        seed: of the noise in a proposed experiment; nothing else is random.
 
     Raises:
         BagError: as of `analyse`.
@@ -87,7 +90,7 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
     rivals = [w.hypothesis for w in analysis.weights[: len(verdict.set)] if w.hypothesis is not None][:2]
     if verdict.verdict == "ambiguous" and len(rivals) == 2:
         report("experiment")
-        proposal = propose(analysis.prepared, *rivals)
+        proposal = propose(analysis.prepared, *rivals, seed=seed)
         names = tuple(in_words(h.effects, machine.joints) for h in rivals)
         verdict, arrays["experiment"] = replace(verdict, experiment=proposal.as_dict(names)), proposal.drives
     content = json.dumps(asdict(verdict) | {"added": [asdict(effect) for effect in added]})

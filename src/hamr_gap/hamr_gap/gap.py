@@ -32,12 +32,13 @@ class Refused:
     sentence: str
 
 
-def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[Path] = ()) -> dict:
+def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[Path] = (), seed: int = 0) -> dict:
     """Find, name, add and show.
 
     Args:
         measured: bags of suspended legs, of any recorder. out: folder for all that is found.
         backend: the model, a name of `hamr_dynamics.plant.HOMES`. holdout: bags that are opened only after the answer is fixed.
+        seed: as of `found.find`.
 
     Returns:
         The content of `verdict.json`.
@@ -50,14 +51,14 @@ def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[
         raise BagError(f"There is no bag at {lost[0]}; give hold-out bags that exist.")
     samples, refused = _opened(measured)
     records = _records(samples, refused)
-    jobs = {leg: partial(_leg, backend, leg, record, out) for leg, record in records.items()}
+    jobs = {leg: partial(_leg, backend, leg, record, out, seed) for leg, record in records.items()}
     found = side_by_side(jobs)
     refused |= {leg: result.sentence for leg, result in found.items() if isinstance(result, Refused)}
     parts = {leg: Part(machine_of(backend, leg), records[leg], result) for leg, result in found.items() if isinstance(result, Found)}
     if not parts:
         raise BagError(" ".join(f"{name}: {why}" for name, why in refused.items()))
     opened = partial(_held_out, holdout, {leg: part.record.channels for leg, part in parts.items()}) if holdout else None
-    return conclude(parts, out, holdout=opened, command=_command(measured, holdout, backend, out), refused=refused, legs=True)
+    return conclude(parts, out, holdout=opened, command=_command(measured, holdout, backend, out, seed), refused=refused, legs=True)
 
 
 def _opened(bags: Sequence[Path]) -> tuple[list[Samples], dict[str, str]]:
@@ -100,9 +101,9 @@ def _only(record: Record, channels: tuple[str, ...]) -> Record:
     return replace(record, readings=record.readings[:, [record.channels.index(c) for c in channels]], channels=channels)
 
 
-def _leg(backend: str, leg: str, record: Record, out: Path, report: Callable[[str], None]) -> Found | Refused:
+def _leg(backend: str, leg: str, record: Record, out: Path, seed: int, report: Callable[[str], None]) -> Found | Refused:
     try:
-        return stored(machine_of(backend, leg), record, out, report)
+        return stored(machine_of(backend, leg), record, out, report, seed=seed)
     except HamrError as error:
         return Refused(str(error))
     except np.linalg.LinAlgError as error:
@@ -117,6 +118,6 @@ def _held_out(bags: Sequence[Path], channels: Mapping[str, tuple[str, ...]]) -> 
     return {leg: joined(records) for leg, records in parts.items() if records}
 
 
-def _command(measured: Sequence[Path], holdout: Sequence[Path], backend: str, out: Path) -> str:
+def _command(measured: Sequence[Path], holdout: Sequence[Path], backend: str, out: Path, seed: int) -> str:
     words = ["hamr", "gap", "--measured", *map(str, measured), *(["--holdout", *map(str, holdout)] if holdout else [])]
-    return shlex.join([*words, "--backend", backend, "--out", str(out)])
+    return shlex.join([*words, "--backend", backend, "--out", str(out), "--seed", str(seed)])

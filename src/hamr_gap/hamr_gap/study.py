@@ -42,13 +42,14 @@ class Part:
 
 def study(
     machine: Machine, record: Record, out: Path, *, holdout: Callable[[], Record] | None = None, command: str = "",
-    report: Callable[[str], None] = lambda _: None,
+    report: Callable[[str], None] = lambda _: None, seed: int = 0,
 ) -> dict:  # fmt: skip
     """Find, name, add and show for one machine.
 
     Args:
         record: measured. out: folder for all that is found; what an interrupted call left there is used.
-        holdout: gives the records that nothing may use before the verdict is fixed. command: what repeats this. report: told the stage.
+        holdout: gives the records that nothing may use before the verdict is fixed.
+        command: what repeats this. report: told the stage. seed: as of `find`.
 
     Returns:
         The content of `verdict.json`.
@@ -56,17 +57,17 @@ def study(
     Raises:
         BagError: the record cannot be used; one sentence.
     """
-    found = stored(machine, record, out, report)
+    found = stored(machine, record, out, report, seed=seed)
     opened = (lambda: {machine.name: holdout()}) if holdout else None
     return conclude({machine.name: Part(machine, record, found)}, out, holdout=opened, command=command)
 
 
-def stored(machine: Machine, record: Record, out: Path, report: Callable[[str], None] = lambda _: None) -> Found:
+def stored(machine: Machine, record: Record, out: Path, report: Callable[[str], None] = lambda _: None, *, seed: int = 0) -> Found:
     """What is found about a machine, kept in `out` under a hash of data and code."""
-    folder, key = out / "found" / machine.name, _key(machine, record)
+    folder, key = out / "found" / machine.name, _key(machine, record, seed)
     if found := Found.load(folder, key):
         return found
-    found = find(machine, record, report)
+    found = find(machine, record, report, seed=seed)
     found.save(folder, key)
     return found
 
@@ -129,9 +130,9 @@ def _mean(x: list[float]) -> float:
     return float(np.sqrt(np.mean(np.square(x))))
 
 
-def _key(machine: Machine, record: Record) -> str:
+def _key(machine: Machine, record: Record, seed: int) -> str:
     """Hash of the data, of the machine's traced equations with every effect, and of the workflow's code."""
-    said = f"{record.channels} {record.step} {record.held} {record.rest} {record.drives_per_reading} {record.breaks}"
+    said = f"{seed} {record.channels} {record.step} {record.held} {record.rest} {record.drives_per_reading} {record.breaks}"
     digest = hashlib.sha256("\0".join((said, machine_kernel.source(machine), _code())).encode())
     for array in (record.drives, record.readings):
         digest.update(np.ascontiguousarray(array, "<f8").tobytes())

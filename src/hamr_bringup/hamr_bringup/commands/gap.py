@@ -30,11 +30,13 @@ class Command:
     """Bags that are opened only when the answer is fixed, to show the gap on; if none, a part of the measured ones serves."""
     out: Path = Path("out/gap")
     """Folder for all that is found."""
+    seed: int = 0
+    """Of the noise in a proposed experiment; nothing else is random."""
 
     def run(self) -> dict:
         from hamr_gap.gap import run
 
-        return run(self.measured, self.out, backend=self.backend, holdout=self.holdout)
+        return run(self.measured, self.out, backend=self.backend, holdout=self.holdout, seed=self.seed)
 
     def text(self, result: dict) -> str:
         """The verdict in plain sentences."""
