@@ -19,6 +19,7 @@ from hamr_description.names import JOINTS, drive_sign
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 from hamr_dynamics import machine_kernel
+from hamr_dynamics.effects.configuration_dependent_transmission import POWERS
 from hamr_dynamics.effects.law import Scales
 from hamr_dynamics.machine import Machine
 from hamr_sim_full.actuator import bender
@@ -51,7 +52,7 @@ def differences(simple: Machine, full: Machine) -> dict[str, dict[str, float]]:
     ratio = np.array([(full.outputs((e, 0.0), zero)[2], full.outputs((0.0, e), zero)[3]) for e in (1e-6,)])[0] / 1e-6
     travel = np.array([np.array(full.outputs(q, zero)[2:]) / ratio - q for q in points])
     travel -= np.array(full.outputs(zero, zero)[2:]) / ratio
-    powers = [(2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
+    powers = list(POWERS)
     basis = np.array([[a**i * b**j for i, j in powers] for a, b in points])
     found: dict[str, dict[str, float]] = {name: {} for name in EFFECTS}
     stem = "configuration_dependent_transmission.map"
