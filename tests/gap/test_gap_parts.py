@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -25,6 +27,7 @@ from hamr_gap.hypothesis import refine, residual, starts
 from hamr_gap.measured import FIELDS, read
 from hamr_gap.parameters import Candidate
 from hamr_gap.prepare import prepare
+from hamr_gap.progress import side_by_side
 from hamr_gap.record import Record
 from hamr_gap.screen import screen
 from hamr_gap.table import fit_table
@@ -152,6 +155,26 @@ def test_a_proposed_experiment_reaches_the_robot_in_its_own_signs_and_limits(tmp
     assert len(volts) == 400 * 5
     np.testing.assert_allclose(volts[:, 4], np.clip(112.5 + drive_sign(leg) * np.repeat(drives[:, 0], 5), 0.0, 225.0))
     np.testing.assert_array_equal(np.delete(volts, [4, 5], axis=1), 112.5)
+
+
+def job(number: int, tell) -> tuple[int, int]:
+    """Its answer and the process that gave it."""
+    tell("screen")
+    if number < 0:
+        raise BagError("no such number.")
+    return number**2, os.getpid()
+
+
+def test_machines_are_analysed_beside_each_other(capfd, monkeypatch):
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    results = side_by_side({str(number): partial(job, number) for number in (3, 4, 5)})
+    assert {name: answer for name, (answer, _) in results.items()} == {"3": 9, "4": 16, "5": 25}
+    assert os.getpid() not in {process for _, process in results.values()}
+    assert "100 %" in capfd.readouterr().err
+    with pytest.raises(BagError, match="no such number"):
+        side_by_side({str(number): partial(job, number) for number in (3, -1)})
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    assert {process for _, process in side_by_side({"a": partial(job, 1), "b": partial(job, 2)}).values()} == {os.getpid()}
 
 
 def oscillator(extra, seconds: float = 12.0, noise: float = 2e-4):
