@@ -1,6 +1,6 @@
 """The benchmark: draw, publish the hash, solve blind in two processes, score. Interrupted runs go on where they were.
 
-    python -m hamr_gap.bench.run --set development --singles 40 --pairs 10 --nulls 20 --out out/gap_bench
+    python -m hamr_gap.bench --set development --singles 40 --pairs 10 --nulls 20 --out out/gap_bench
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-import tyro
 from tqdm import tqdm
 
 from . import cases, score
@@ -65,7 +64,3 @@ def _each(workers: int, what: str, commands: list[list[str]]) -> None:
                 last = ended.stderr.strip().splitlines()[-1:] or ["no word"]
                 bar.write(f"{' '.join(command[3:])}: {last[0]}", file=sys.stderr)
             bar.update()
-
-
-if __name__ == "__main__":
-    tyro.cli(bench)
