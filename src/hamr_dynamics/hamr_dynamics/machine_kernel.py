@@ -114,7 +114,7 @@ def _run(machine, drives, parameters, step, substeps, mean, first, start, sample
 def _lanes(x: np.ndarray, samples: int, width: int, lanes: int) -> np.ndarray:
     """(blocks, samples * width * LANES) -> (lanes, samples, width)."""
     by_lane = x.reshape(len(x), samples, width, LANES).transpose(0, 3, 1, 2)
-    return by_lane.reshape(-1, samples, width)[:lanes]
+    return by_lane.reshape(len(x) * LANES, samples, width)[:lanes]
 
 
 def _blocks(x: np.ndarray, blocks: int) -> np.ndarray:

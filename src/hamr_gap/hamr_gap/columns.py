@@ -60,7 +60,7 @@ def _csv(path: Path) -> dict[str, np.ndarray]:
             raise BagError(f"{path} has {len(row)} cells in data row {i + 1}, not {len(names)}; mend that line.")
         for j, cell in enumerate(row[: len(names)]):
             if (x := _number(cell)) is None:
-                raise BagError(f"{path} has '{cell}' in data row {i + 1} of column {names[j]}; write numbers, or nothing where none was read.")
+                raise BagError(f"{path} has '{cell}' in data row {i + 1} of column {names[j]}; write a number, or nothing.")
             columns[i, j] = x
     return dict(zip(names, columns.T, strict=True))
 
@@ -138,7 +138,7 @@ def _factor(machine: Machine, letter: str, unit: str, where: str) -> float:
         raise BagError(f"The unit '{unit}' of {where} is not known; write one of {', '.join(UNITS)}.")
     factor, base = UNITS[unit]
     if base != machine.units[letter]:
-        raise BagError(f"The unit '{unit}' of {where} does not measure what {machine.name} has in {machine.units[letter]}; correct one of them.")
+        raise BagError(f"The unit '{unit}' of {where} cannot be made {machine.units[letter]}, as {machine.name} has it; correct one of them.")
     return factor / machine.to_si[letter]
 
 

@@ -154,7 +154,8 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
         probes = model.runs(free, x + np.diag(delta), until) if len(free) else np.empty((0, *run.shape))
         sensors = weighed.sensors(s)
         base = weighed.vector(sensors.read(run, model.reading_step, model.starts))
-        columns = [(weighed.vector(sensors.read(p, model.reading_step, model.starts)) - base) / d for p, d in zip(probes, delta, strict=True)]
+        read = [weighed.vector(sensors.read(p, model.reading_step, model.starts)) for p in probes]
+        columns = [(y - base) / d for y, d in zip(read, delta, strict=True)]
         jacobian = np.column_stack([*columns, weighed.sensor_columns(run)])
         residual = weighed.vector(model.target) - base
         n = len(free)

@@ -22,7 +22,8 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
     delta = np.where(found.x + delta > np.array([f.high for f in free]), -delta, delta)
     probes = model.runs(free, found.x + np.diag(delta), until)
     base = weighed.vector(found.reading)
-    columns = [(weighed.vector(found.sensors.read(p, model.reading_step, model.starts)) - base) / d for p, d in zip(probes, delta, strict=True)]
+    read = [weighed.vector(found.sensors.read(p, model.reading_step, model.starts)) for p in probes]
+    columns = [(y - base) / d for y, d in zip(read, delta, strict=True)]
     jacobian = np.column_stack([*columns, weighed.sensor_columns(found.run)])
     n, precision = len(free), np.zeros(jacobian.shape[1])
     precision[:n] = sd**-2.0
