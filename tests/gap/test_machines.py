@@ -113,8 +113,8 @@ def test_tables_run_no_code_and_must_exist(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "name", "said"),
-    [("x = 1\n", "cart", "no function"), ("def cart(): return 3\n", "cart", "returns a int"), ("def cart(): 1 / 0\n", "cart", "ZeroDivision"),
-     ("import nothing_such\n", "cart", "nothing_such"), ("", "not a name", "is no plant")],
+    [("x = 1\n", "cart", "no function"), ("def cart(): return 3\n", "cart", "returns a int"),
+     ("def cart(): 1 / 0\n", "cart", "ZeroDivision"), ("import nothing_such\n", "cart", "nothing_such"), ("", "not a name", "is no plant")],
 )  # fmt: skip
 def test_bad_plants_are_one_sentence(tmp_path, text, name, said):
     (tmp_path / "p.py").write_text(text)
@@ -130,7 +130,9 @@ def _model(machine, record, **more) -> Model:
     return Model(machine, record, 2, 1, scales_of(machine, record), **more)
 
 
-@pytest.mark.parametrize("effect", ["coulomb_friction.sign", "cubic_stiffness.cubic", "drive_lag.first_order", "coulomb_friction.presliding"])
+@pytest.mark.parametrize(
+    "effect", ["coulomb_friction.sign", "cubic_stiffness.cubic", "drive_lag.first_order", "coulomb_friction.presliding"]
+)
 def test_pieces_from_true_states_are_one_long_run(effect):
     """The long run is the compiled loop's own; effects with states of their own agree as far as a run-in brings them there."""
     n, step, (name, form) = 3000, 1e-3, effect.split(".")
