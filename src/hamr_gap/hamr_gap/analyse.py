@@ -26,6 +26,7 @@ from .where import where
 
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
+SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
 SELDOM = 2.0  # how many times surer a likelihood ratio must be, which trusts its noise, than t over blocks, which does not
 
 
@@ -59,7 +60,8 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
     weights = weigh(state, int(prepared.judged.sum()))
     evidence = _evidence(prepared, state)
-    enough = prepared.base.left - state.best.left > 0.25 * prepared.numerical**2 * prepared.weighed.model.mean
+    mean = prepared.weighed.model.mean
+    enough = prepared.base.left - state.best.left > mean * max(SMALLEST, 0.5 * prepared.numerical) ** 2
     if not (enough and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED):
         verdict, best, chosen = _nothing(prepared), prepared.base, []
     else:
