@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from .table import TABLE
 
-MOST = 3  # parameters of an effect that are said
+MOST = 3  # answers, and parameters of each effect, that are said
 HEADLINES = {
     "no_significant_gap": "No significant gap: the model explains these data to within their noise.",
     "parameters_only": "No effect is missing: other parameters of the same model close the gap.",
@@ -19,9 +19,11 @@ HEADLINES = {
 def sentences(found: Mapping) -> list[str]:
     """What `verdict.json` says, most important first."""
     said = [HEADLINES[found["verdict"]]]
-    for i, answer in enumerate(found["set"]):
+    for i, answer in enumerate(found["set"][:MOST]):
         start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
+    if len(found["set"]) > MOST:
+        said.append(f"And {len(found['set']) - MOST} more, in the report.")
     tables = [e for own in found["machines"].values() for e in own["added"] if e["effect"] == TABLE]
     said += [
         f"What acts there, as a table: {e['form'].replace('_', ' ')} at {', '.join(e['joints'])} (in the report and the effects file)."
