@@ -26,6 +26,8 @@ class Command:
     """Bags of the machine."""
     backend: str = "simple"
     """The model to be completed: simple, simple_published, full or residual."""
+    plant: str = ""
+    """FILE.py:NAME of a function that returns the model of another machine; the bags are then tables (docs/other_machines.md)."""
     holdout: Annotated[tuple[Path, ...], arg(metavar="BAG [BAG ...]")] = ()
     """Bags that are opened only when the answer is fixed, to show the gap on; if none, a part of the measured ones serves."""
     out: Path = Path("out/gap")
@@ -34,6 +36,10 @@ class Command:
     """Of the noise in a proposed experiment; nothing else is random."""
 
     def run(self) -> dict:
+        if self.plant:
+            from hamr_gap.plants import run as run_plant
+
+            return run_plant(self.plant, self.measured, self.out, holdout=self.holdout)
         from hamr_gap.gap import run
 
         return run(self.measured, self.out, backend=self.backend, holdout=self.holdout, seed=self.seed)
@@ -42,5 +48,6 @@ class Command:
         """The verdict in plain sentences."""
         from hamr_gap.words import sentences
 
-        files = [f"{name}: {result[key]}" for name, key in (("Effects", "effects_file"), ("Report", "report"), ("Angles", "overlay"))]
+        kinds = (("Effects", "effects_file"), ("Report", "report"), ("Angles", "overlay"))
+        files = [f"{name}: {result[key]}" for name, key in kinds if result.get(key)]
         return "\n".join([*sentences(result), "", *files, f"Again: {result['command']}", ""])
