@@ -15,7 +15,7 @@ from .si import channel_si
 
 #: Seconds after which a re-initialised run is judged, besides the free run.
 HORIZONS_S = (0.008, 0.05)
-WINDOW_S = 0.25  # shown in pictures
+WINDOW_S = 0.15  # shown in pictures
 SETTLED_S = 0.5  # left out of a record that does not begin at rest
 
 
