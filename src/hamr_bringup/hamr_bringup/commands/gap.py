@@ -5,10 +5,9 @@ verdict.json, effects.yaml (for --effects of every command), report.html and a b
 call goes on where it was.
 
 Examples:
-  hamr collect --backend full --out out/measured --as-measured
-  hamr collect --backend full --out out/holdout --as-measured --seed 1
-  hamr gap --measured out/measured --holdout out/holdout --backend simple --out out/gap
-  hamr up --backend simple --effects out/gap/effects.yaml
+  hamr gap --measured out/measured --backend simple
+  hamr gap --measured out/measured out/more --holdout out/holdout --backend full --out out/gap
+  hamr gap --plant machine.py:model --measured run.csv --holdout other.csv
 """
 
 from __future__ import annotations
