@@ -6,14 +6,14 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import hidden_gap
 import pytest
-from hidden_gap.case import Case, Effect
 
+import hidden_gap
 from hamr_gap.analyse import analyse
 from hamr_gap.bench.cases import record_of
 from hamr_gap.bench.score import names, rate
 from hamr_gap.legs import machine_of
+from hidden_gap.case import Case, Effect
 
 CASES = json.loads(Path(__file__).with_name("cases.json").read_text())
 SECONDS = 8.0

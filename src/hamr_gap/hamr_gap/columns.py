@@ -138,7 +138,8 @@ def _factor(machine: Machine, letter: str, unit: str, where: str) -> float:
         raise BagError(f"The unit '{unit}' of {where} is not known; write one of {', '.join(UNITS)}.")
     factor, base = UNITS[unit]
     if base != machine.units[letter]:
-        raise BagError(f"The unit '{unit}' of {where} cannot be made {machine.units[letter]}, as {machine.name} has it; correct one of them.")
+        wanted = f"{machine.units[letter]}, as {machine.name} has it"
+        raise BagError(f"The unit '{unit}' of {where} cannot be made {wanted}; correct one of them.")
     return factor / machine.to_si[letter]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +15,10 @@ from hamr_dynamics.machine import Machine, leg_machine
 from hamr_dynamics.plant import plant
 
 from .record import Record
+
+NEAR_STOP = 0.98  # of the way to an end stop
+SHAKEN_MS = 60.0  # for which a hit is remembered: the slower mode has lost four fifths of it then
+ENOUGH_CLEAR = 0.4
 
 
 class Measured(Protocol):
@@ -49,7 +53,20 @@ def record_of(measured: Measured, leg: str, joints: Sequence[str] = JOINTS) -> R
         readings.append(length_from_si(measured.deflections[:, columns]) * MIRROR[leg][1])
         channels += [f"{name}_actuator" for name in channels]
     per = len(measured.voltages) // len(measured.angles)
-    return Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels), drives_per_reading=per)
+    return clear_of_stops(Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels), drives_per_reading=per))
+
+
+def clear_of_stops(record: Record) -> Record:
+    """The record without the readings just after an actuator met its end stop: how hard it hit decides on too much that follows.
+
+    Where that would leave less than `ENOUGH_CLEAR` of them, or tips were not measured, all stay.
+    """
+    tips = [i for i, name in enumerate(record.channels) if name.endswith("_actuator")]
+    hit = (np.abs(np.nan_to_num(record.readings[:, tips])) > NEAR_STOP * value("actuator.stop")).any(1)
+    after = np.convolve(hit, np.ones(int(SHAKEN_MS / record.step)))[: len(hit)] > 0
+    if after.mean() > 1.0 - ENOUGH_CLEAR:
+        return record
+    return replace(record, readings=np.where(after[:, None], np.nan, record.readings))
 
 
 def legs(measured: Measured, backend: str) -> list[Leg]:

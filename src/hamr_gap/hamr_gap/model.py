@@ -123,10 +123,10 @@ def scales_of(machine: Machine, record: Record) -> Scales:
     n = len(machine.joints)
     columns = [record.channels.index(name) for name in machine.channels[:n] if name in record.channels]
     q = record.readings[:, columns] - np.nanmean(record.readings[:, columns], axis=0)
-    smooth = np.stack([np.convolve(np.nan_to_num(c), np.ones(5) / 5, "valid") for c in q.T], 1)
-    coordinate = float(np.sqrt(np.mean(smooth**2)))
+    smooth = np.stack([np.convolve(c, np.ones(5) / 5, "valid") for c in q.T], 1)  # NaN where one was
+    coordinate = float(np.sqrt(np.nanmean(smooth**2)))
     within = np.delete(np.diff(smooth, axis=0), [b - 4 + i for b in record.breaks for i in range(5)], axis=0)
-    rate = float(np.sqrt(np.mean(within**2))) / record.step
+    rate = float(np.sqrt(np.nanmean(within**2))) / record.step
     drive = float(np.sqrt(np.mean((record.drives - record.drives.mean(0)) ** 2)))
     zero = (0.0,) * n
     force = np.sqrt(np.mean(np.square(machine.terms(zero, zero, zero, (drive,) * n).drive)))

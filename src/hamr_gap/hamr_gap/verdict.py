@@ -64,7 +64,7 @@ class Verdict:
     Attributes:
         machine, joints: names. verdict: one of VERDICTS. set: the credible set, most probable first.
         parameters: name -> joint -> change that the re-tune made. gap. where: one sentence each, where the gap is.
-        not_observable: effect -> why this run cannot show it. detectable: effect -> joint -> size (SI, with unit) that would have been seen.
+        not_observable: effect -> why this run cannot show it. detectable: effect -> joint -> size (SI, with unit) that would be seen.
         experiment: what would decide, or None. notes: what to know besides (degeneracies, poor data).
     """
 

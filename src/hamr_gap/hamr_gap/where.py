@@ -39,5 +39,6 @@ def where(weighed: Weighed, found: Fit) -> list[str]:
             said.append(f"{model.record.channels[largest]}: {high / low:.1f} times as strong at large {name}s as at small ones")
     thirds = [np.mean(part**2) for part in np.array_split(x, 3)]
     if max(thirds[0], thirds[2]) > 2.0 * min(thirds[0], thirds[2]):
-        said.append(f"{model.record.channels[largest]}: {thirds[2] / thirds[0]:.1f} times as strong at the end as at the beginning: it drifts")
+        more = thirds[2] / thirds[0]
+        said.append(f"{model.record.channels[largest]}: {more:.1f} times as strong at the end as at the beginning: it drifts")
     return said

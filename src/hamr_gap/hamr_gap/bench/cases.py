@@ -20,6 +20,7 @@ from hamr_description.names import Topic, drive_sign, joint_signs
 from hamr_description.numbers import value
 from hamr_description.units import length_from_si
 
+from ..legs import clear_of_stops
 from ..record import Record
 
 LEG = "fl"
@@ -58,8 +59,8 @@ def load(path: Path) -> Record:
     """The record of a case."""
     with np.load(path, allow_pickle=False) as f:
         per = int(f["drives_per_reading"])
-        return Record(
-            f["drives"], f["readings"], float(f["step"]), tuple(map(str, f["channels"])), held=per > 1, drives_per_reading=per
+        return clear_of_stops(
+            Record(f["drives"], f["readings"], float(f["step"]), tuple(map(str, f["channels"])), held=per > 1, drives_per_reading=per)
         )
 
 
@@ -88,4 +89,4 @@ def record_of(case, truth, seen) -> Record:
         drives = sys.modules["hidden_gap.simulate"].commands(**case.excitation)
         per = len(drives) // len(readings)
     drives = (drives - value("actuator.neutral_voltage")) * drive_sign(LEG)
-    return Record(drives, readings[:, kept], step, tuple(channels[i] for i in kept), held=per > 1, drives_per_reading=per)
+    return clear_of_stops(Record(drives, readings[:, kept], step, tuple(channels[i] for i in kept), held=per > 1, drives_per_reading=per))
