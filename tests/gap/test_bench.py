@@ -16,14 +16,12 @@ from hamr_gap.legs import machine_of
 from hidden_gap.case import Case, Effect
 
 CASES = json.loads(Path(__file__).with_name("cases.json").read_text())
-SECONDS = 8.0
 
 
 def case_of(given: dict) -> Case:
     """A case that was drawn for development, its strength met."""
     effects = tuple(Effect(e["family"], tuple(e["joints"]), e["law"], e["parameters"]) for e in given["effects"])
-    case = Case(**{**given, "effects": effects, "channels": tuple(given["channels"])})
-    return replace(case, seconds=SECONDS, excitation={**case.excitation, "seconds": SECONDS})
+    return Case(**{**given, "effects": effects, "channels": tuple(given["channels"])})
 
 
 def record(case: Case):
@@ -44,7 +42,7 @@ def test_a_hidden_effect_is_found_and_placed(given):
 
 @pytest.mark.parametrize("seed", [300_000, 300_001])
 def test_where_nothing_is_hidden_nothing_is_found(seed):
-    case = replace(hidden_gap.draw("null", seed, seconds=SECONDS), noise_kind="white")
+    case = replace(hidden_gap.draw("null", seed), noise_kind="white")
     assert analyse(machine_of("simple", "fl"), record(case)).verdict.verdict in ("no_significant_gap", "parameters_only")
 
 

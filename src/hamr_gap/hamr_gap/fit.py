@@ -17,6 +17,7 @@ from .parameters import Free
 
 TRIALS = np.array([1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
+GAIN_SD = 0.05  # of a sensor's scale
 DELTA = 1e-3  # of a parameter's prior, for differences
 
 
@@ -72,7 +73,7 @@ class Weighed:
     Attributes:
         coarse: the same model with as few steps as it bears, for the many runs of a screening; None for the model itself.
         chosen: (n, channels) readings that count. sigma: (channels,) noise of an averaged reading.
-        gains: channels whose gain is free (actuator sensors beside joint sensors).
+        gains: channels whose gain is free: all of two coupled joints; of one joint, where it is the drive's, those beside it.
     """
 
     model: Model
@@ -115,6 +116,13 @@ class Weighed:
         columns.append(-slope(run, self.model.reading_step, self.model.starts) * self.model.reading_step)
         return self.vector(np.stack(columns)).T
 
+    @cached_property
+    def sensor_precision(self) -> np.ndarray:
+        """Prior precision of the coefficients of `sensor_columns`: a sensor's scale is known to some per cent, the rest is not."""
+        precision = np.full(self.sensor_count, 1e-9 * self.chosen.sum())
+        precision[len(self.biased) : -1] = GAIN_SD**-2.0
+        return precision
+
     def sensors(self, s: np.ndarray) -> Sensors:
         """Sensors of the coefficients of `sensor_columns`."""
         bias, gain = np.zeros(len(self.sigma)), np.zeros(len(self.sigma))
@@ -127,9 +135,8 @@ class Weighed:
         """Best sensor coefficients for a run, and the half sum of squares that is left."""
         columns = self.sensor_columns(run)
         residual = self.vector(self.model.target[: len(run)] - run)
-        weak = 1e-6 * len(residual)
-        s = np.linalg.solve(columns.T @ columns + weak * np.eye(columns.shape[1]) * 1e-3, columns.T @ residual)
-        return s, 0.5 * float(np.sum((residual - columns @ s) ** 2))
+        s = np.linalg.solve(columns.T @ columns + np.diag(self.sensor_precision), columns.T @ residual)
+        return s, 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
 
 
 def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 25, tolerance: float = 3e-4) -> Fit:
@@ -159,10 +166,8 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
         jacobian = np.column_stack([*columns, weighed.sensor_columns(run)])
         residual = weighed.vector(model.target) - base
         n = len(free)
-        precision = np.zeros(jacobian.shape[1])
-        precision[:n] = sd**-2.0
-        gradient = jacobian.T @ residual
-        gradient[:n] -= (x - center) / sd**2
+        precision = np.concatenate([sd**-2.0, weighed.sensor_precision])
+        gradient = jacobian.T @ residual - precision * np.concatenate([x - center, s])
         hessian = jacobian.T @ jacobian + np.diag(precision + 1e-9 * len(residual))
         direction = _bounded_step(hessian, gradient, x, low, high, n)
         if not n:

@@ -25,13 +25,12 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
     read = [weighed.vector(found.sensors.read(p, model.reading_step, model.starts)) for p in probes]
     columns = [(y - base) / d for y, d in zip(read, delta, strict=True)]
     jacobian = np.column_stack([*columns, weighed.sensor_columns(found.run)])
-    n, precision = len(free), np.zeros(jacobian.shape[1])
-    precision[:n] = sd**-2.0
+    n, precision = len(free), np.concatenate([sd**-2.0, weighed.sensor_precision])
     hessian = jacobian.T @ jacobian
     scale = 1.0 / np.sqrt(np.diag(hessian) + precision)
     inverse = np.linalg.pinv((hessian + np.diag(precision)) * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     left = residual(weighed, found)[weighed.chosen.any(1)]
-    inflation = max(1.0, float(np.mean(left**2))) * correlation_time(left)
+    inflation = max(1.0, float(np.nanmean(left**2))) * correlation_time(left)
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse)[:n] * inflation, sd**2))
     return np.stack([found.x - half, found.x + half], 1)
 

@@ -72,7 +72,8 @@ def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.nd
     noise = noise_of(record.readings)
     model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record))
     roles = roles_of(model, machine.to_si["T"])
-    gains = tuple(i for i, c in enumerate(record.channels) if machine.channels.index(c) >= len(machine.joints))
+    alone = len(machine.joints) == 1
+    gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
     weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
     free = changes(machine, model.scales)
     rough = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.runs((), np.zeros((1, 0)))[0])))

@@ -144,7 +144,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     every = np.concatenate([np.array(fixed).reshape(n, *plain.shape), sensors[:, :until], responses])
     residual = ((weighed.model.target - base.reading) / weighed.sigma)[:until]
     ridge = np.concatenate([
-        [f.sd**-2.0 for f in base.free], np.full(len(sensors), 1e-9), [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
+        [f.sd**-2.0 for f in base.free], weighed.sensor_precision, [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
     ])  # fmt: skip
     a, r = every[:, chosen].astype(float), residual[chosen]
     return Screen(columns, n + len(sensors), groups, (a @ a.T, a @ r, float(r @ r)), ridge)
