@@ -11,6 +11,7 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import CHANGES, Machine
 
 from .candidates import missing
+from .detect import detectable
 from .fit import Fit
 from .hypothesis import Hypothesis, judge, residual
 from .interval import correlation_time, intervals
@@ -105,6 +106,7 @@ def _nothing(prepared: Prepared) -> str:
 def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight], best: Hypothesis) -> Verdict:
     model = prepared.weighed.model
     machine, record = model.machine, model.record
+    least = 0.5 * model.mean * SMALLEST**2 * float(prepared.weighed.chosen.sum())
     answers = tuple(
         Answer(effects_of(prepared, w.hypothesis), w.probability, w.left, _forms(state, w.hypothesis)) if w.hypothesis
         else Answer((), w.probability, w.left) for w in chosen
@@ -113,7 +115,7 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
     return Verdict(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
         gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
-        detectable={}, experiment=None, notes=(),
+        detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None, notes=(),
     )  # fmt: skip
 
 

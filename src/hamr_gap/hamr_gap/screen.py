@@ -127,7 +127,8 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     for round_ in (0, 1):  # at the typical size, then at the size that matters
         for at in range(0, len(columns), BATCH):
             part = columns[at : at + BATCH]
-            responses[at : at + len(part)] = respond(part)
+            with np.errstate(over="ignore"):  # a run that diverges is not finite, and left out
+                responses[at : at + len(part)] = respond(part)
         if round_ == 0:
             responses[~np.isfinite(responses).all((1, 2))] = 1e9  # far too large
             rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))

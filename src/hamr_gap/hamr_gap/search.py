@@ -32,10 +32,12 @@ class Search:
     """What was tried.
 
     Attributes:
-        base: the re-tuned model without effects. tried: all hypotheses with effects. floor: mean square that noise alone leaves.
+        base: the re-tuned model without effects. seen: the linear picture about it.
+        tried: all hypotheses with effects. floor: mean square that noise alone leaves.
     """
 
     base: Hypothesis
+    seen: Screen
     tried: list[Hypothesis] = field(default_factory=list)
     floor: float = 1.0
 
@@ -59,10 +61,11 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     Args:
         report: told what is being done.
     """
-    state, count = Search(base), int(judged.sum())
+    count = int(judged.sum())
     everything = candidates(weighed.model.machine, weighed.model.record.channels)
     report("screen")
     seen = _look(weighed, base.fit, everything)
+    state = Search(base, seen)
     report("singles")
     alone = _singles(weighed, base.fit, seen, everything)
     state.tried += [refine(weighed, judged, start) for start in _forms(alone)]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from .table import TABLE
 
+COMMON = ("coulomb_friction", "cubic_stiffness", "backlash", "drive_lag")  # whose smallest visible size is said
 MOST = 3  # answers, and parameters of each effect, that are said
 HEADLINES = {
     "no_significant_gap": "No significant gap: the model explains these data to within their noise.",
@@ -36,10 +37,18 @@ def sentences(found: Mapping) -> list[str]:
                     f"{over['retuned']:.2f} re-tuned{after}.")  # fmt: skip
         if found["set"] and share is not None:
             said.append(f"{100 * share:.1f} % of the re-tuned gap is gone; taken out again, it is {over['removed']:.2f}.")
+    if not found["set"]:
+        said += [f"{name} would have shown {some}." for name, v in found["machines"].items() if (some := _smallest(v["detectable"]))]
     said += [f"{name}: {why}" for name, why in found["refused"].items()]
     for name, experiment in (found["experiment"] or {}).items():
         said.append(f"What would decide about {name}: {experiment['sentence']}")
     return said
+
+
+def _smallest(detectable: Mapping[str, Mapping[str, str]]) -> str:
+    """The least sizes of a few common effects that a machine's data would have shown."""
+    known = [name for name in COMMON if name in detectable]
+    return ", ".join(f"{name} of {size} at {joint}" for name in known for joint, size in list(detectable[name].items())[:1])
 
 
 def answer_in_words(answer: Mapping) -> str:
