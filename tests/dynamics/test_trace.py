@@ -140,7 +140,7 @@ def test_emitted_source_is_the_trace(environment):
     chain = {"suspended": [stages.suspended(robot, STEP)]}
     chain["ground"] = [
         stages.predict(STEP), stages.reach(robot, STEP), stages.balance_soft(STEP), stages.grounded(robot, STEP),
-        stages.balance_free(STEP), stages.finish_legs(STEP), stages.servo(112.5), stages.observe(robot),
+        stages.balance_free(STEP), stages.finish_legs(STEP), stages.servo(112.5), stages.observe(robot, STEP),
     ]  # fmt: skip
     for stage in chain[environment]:
         arrays, places, end = stage_inputs(stage, rng, lanes), {}, 0
