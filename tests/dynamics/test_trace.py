@@ -144,8 +144,9 @@ def test_emitted_source_is_the_trace(environment):
     ]  # fmt: skip
     for stage in chain[environment]:
         arrays, places, end = stage_inputs(stage, rng, lanes), {}, 0
+        renewed = {new: old for new, (old, first) in stages.renewed(robot).items() if first == 0}
         for name, rows in (stage.inputs | stage.outputs).items():
-            places[name] = places[stages.RENEWED[name]] if stages.RENEWED.get(name) in places else end
+            places[name] = places[renewed[name]] if renewed.get(name) in places else end
             end = max(end, places[name] + len(rows) * lanes)
         work = np.zeros(end)
         for name, x in arrays.items():

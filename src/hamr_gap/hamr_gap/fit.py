@@ -17,7 +17,7 @@ from .parameters import Free
 
 TRIALS = np.array([1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
-GAIN_SD = 0.05  # of a sensor's scale
+GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
 DELTA = 1e-3  # of a parameter's prior, for differences
 
 
@@ -118,7 +118,7 @@ class Weighed:
 
     @cached_property
     def sensor_precision(self) -> np.ndarray:
-        """Prior precision of the coefficients of `sensor_columns`: a sensor's scale is known to some per cent, the rest is not."""
+        """Prior precision of the coefficients of `sensor_columns`: a sensor's scale is known to a per cent, the rest is not."""
         precision = np.full(self.sensor_count, 1e-9 * self.chosen.sum())
         precision[len(self.biased) : -1] = GAIN_SD**-2.0
         return precision
