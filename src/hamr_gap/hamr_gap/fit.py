@@ -119,7 +119,7 @@ class Weighed:
     @cached_property
     def sensor_precision(self) -> np.ndarray:
         """Prior precision of the coefficients of `sensor_columns`: a sensor's scale is known to a per cent, the rest is not."""
-        precision = np.full(self.sensor_count, 1e-9 * self.chosen.sum())
+        precision = np.full(self.sensor_count, 1e-9)
         precision[len(self.biased) : -1] = GAIN_SD**-2.0
         return precision
 
