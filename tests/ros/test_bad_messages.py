@@ -54,8 +54,13 @@ def test_bad_targets(graph, observe):
     assert frames and all(neutral(frame) for frame in frames)
     named = observer.status("leg_controller", lambda status: all(said in status.message for said in BAD))
     assert named.level == b"\x01" and dict((v.key, v.value) for v in named.values)["refused"] == str(len(BAD))
-    send(JOINTS, [0.2] * 8)  # the same way, but good
-    observer.next(Topic.SERVO_VOLTAGES, lambda frame: not neutral(frame))
+    observer.heard[Topic.SERVO_VOLTAGES].clear()
+
+    def moves() -> bool:
+        send(JOINTS, [0.2] * 8)  # the same way, but good; again where it came late and was stale
+        return not all(neutral(frame) for frame in observer.heard[Topic.SERVO_VOLTAGES])
+
+    observer.until(moves, "voltages that answer good targets")
     observer.next(Topic.SERVO_VOLTAGES, neutral)  # and no more came: neutral again
     assert "Traceback" not in controller.said + simulator.said
 

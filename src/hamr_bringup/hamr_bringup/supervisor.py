@@ -21,7 +21,8 @@ from .executables import executables
 from .graph import NodeSpec, Run, graph
 
 _POLL_S = 0.02
-_HURRY_S, _PATIENCE_S = (0.8, 1.8), (5.0, 15.0)  # after which the recorder is told to end too, and everyone is killed
+#: After which the nodes but the recorder are told to end, then the recorder too, then everyone is killed.
+_HURRY_S, _PATIENCE_S = (0.7, 0.9, 1.8), (4.0, 5.0, 15.0)
 _DOMAINS = 101  # whose ports stay clear of the system's
 
 
@@ -146,12 +147,13 @@ def _watch(children: Sequence[Child], interrupted: Sequence[int]) -> None:
         sleep(_POLL_S)
 
 
-def _end(children: Sequence[Child], grace_s: tuple[float, float]) -> None:
-    """Everyone but the recorder ends first, so that it hears their last messages."""
+def _end(children: Sequence[Child], grace_s: tuple[float, float, float]) -> None:
+    """The simulator ends first, so that its last period has voltages; the recorder last, so that it hears everyone's last messages."""
     began = monotonic()
+    simulators = [child for child in children if child.spec.ends_run]
     recorders = [child for child in children if child.spec.executable == "recorder"]
-    others = [child for child in children if child not in recorders]
-    for group, until in ((others, grace_s[0]), (recorders, grace_s[1]), (others, grace_s[1])):
+    others = [child for child in children if child not in simulators + recorders]
+    for group, until in ((simulators, grace_s[0]), (others, grace_s[1]), (recorders, grace_s[2]), (children, grace_s[2])):
         for child in group:
             child.interrupt()
         while _running(group) and monotonic() - began < until:
