@@ -10,10 +10,10 @@ import pytest
 
 import hidden_gap
 from hamr_gap.analyse import analyse
-from hamr_gap.bench.cases import record_of
+from hamr_gap.bench.cases import LEG, samples_of
 from hamr_gap.bench.score import names, rate
-from hamr_gap.legs import machine_of
-from hidden_gap.case import Case, Effect
+from hamr_gap.legs import machine_of, record_of
+from hidden_gap.case import JOINTS, Case, Effect
 
 CASES = json.loads(Path(__file__).with_name("cases.json").read_text())
 
@@ -26,7 +26,7 @@ def case_of(given: dict) -> Case:
 
 def record(case: Case):
     truth = hidden_gap.simulate(case)
-    return record_of(case, truth, hidden_gap.measured(case, truth))
+    return record_of(samples_of(case, truth, hidden_gap.measured(case, truth)), LEG, JOINTS)
 
 
 @pytest.mark.parametrize("given", CASES, ids=[c["effects"][0]["family"] for c in CASES])

@@ -50,7 +50,8 @@ def test_time_stands_still_at_a_state_that_is_not_finite_until_the_reset(graph, 
     assert "not finite at 0.100 s: reset it." in broken.message
     assert observer.call(Trigger, "/simulator/reset", Trigger.Request()).success
     observer.until(lambda: "not finite at 0.208 s" in simulator.said, "the next such state, 0.1 s after a clock that went on")
-    observer.until(lambda: observer.heard[Topic.JOINT_STATES] and ns(observer.heard[Topic.CLOCK][-1].clock) == 204_000_000, "the last states")
+    heard = observer.heard
+    observer.until(lambda: heard[Topic.JOINT_STATES] and ns(heard[Topic.CLOCK][-1].clock) == 204_000_000, "the last states")
     positions = [value for state in observer.heard[Topic.JOINT_STATES] for value in state.position]
     assert positions and all(value == value for value in positions)  # nobody ever got to see a NaN
     stamps = [ns(message.clock) for message in observer.heard[Topic.CLOCK]]

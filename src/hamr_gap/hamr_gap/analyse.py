@@ -13,7 +13,7 @@ from hamr_dynamics.machine import CHANGES, Machine
 from .candidates import missing
 from .detect import detectable
 from .fit import Fit
-from .hypothesis import Hypothesis, judge, residual
+from .hypothesis import Hypothesis, judge, left_of, residual
 from .interval import correlation_time, intervals
 from .parameters import Candidate
 from .prepare import Prepared, prepare
@@ -95,11 +95,7 @@ def _evidence(prepared: Prepared, state: Search) -> tuple[float, float]:
 
 
 def _nothing(prepared: Prepared) -> str:
-    model = prepared.weighed.model
-    raw = model.runs((), np.zeros((1, 0)))[0]
-    square = np.where(prepared.judged, ((model.target - raw) / prepared.weighed.sigma) ** 2, np.nan)
-    rows = np.flatnonzero(prepared.judged.any(1))
-    blocks = [np.nanmean(square[part]) for part in np.array_split(rows, len(prepared.base.blocks))]
+    _, blocks = left_of(prepared.weighed, prepared.judged, prepared.weighed.model.plain)
     return "parameters_only" if better(blocks, prepared.base.blocks) > SIGNIFICANT else "no_significant_gap"
 
 
@@ -139,7 +135,7 @@ def effects_of(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:
             where_ = machine.joints[place] if c.law.acts != "pair" else "both"
             for p in c.law.parameters:
                 row = c.row(p, place)
-                factor, unit = si_of(p.dimension, machine.to_si, machine.units)
+                factor, unit = si_of(p.dimension, machine)
                 factor *= scales.of(p.dimension)
                 low, high = bounds[row]
                 parameters.setdefault(p.name, {})[where_] = Estimate(values[row] * factor, low * factor, high * factor, unit)
@@ -156,7 +152,7 @@ def changes_of(prepared: Prepared, found: Fit) -> dict[str, dict[str, Estimate]]
     for f, x, (low, high) in zip(found.free, found.x, bounds, strict=True):
         if f.row.startswith("change."):
             _, name, joint = f.row.split(".")
-            factor, unit = si_of(CHANGES[name], machine.to_si, machine.units)
+            factor, unit = si_of(CHANGES[name], machine)
             factor *= scales.of(CHANGES[name])
             result.setdefault(name, {})[machine.joints[int(joint)]] = Estimate(x * factor, low * factor, high * factor, unit)
     return result
@@ -166,7 +162,7 @@ def gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
     """Gaps on the judged readings, in noise of one sample; per channel in SI."""
     weighed = prepared.weighed
     model, mean = weighed.model, weighed.model.mean
-    raw = (model.target - model.runs((), np.zeros((1, 0)))[0]) / weighed.sigma
+    raw = (model.target - model.plain) / weighed.sigma
     three = {"raw": raw, "retuned": residual(weighed, prepared.base.fit), "after": residual(weighed, best.fit)}
     chosen = prepared.judged.any(1)
     totals = {name: float(np.sqrt(np.nanmean(x[chosen] ** 2) / mean)) for name, x in three.items()}

@@ -40,7 +40,7 @@ def detectable(machine: Machine, scales: Scales, seen: Screen, *, least: float =
                 size = min(size, np.sqrt(2.0 * enough / left) * seen.columns[column].size)
         if np.isfinite(size):
             dimension = seen.columns[options[0][0]].parameter.dimension
-            factor, unit = si_of(dimension, machine.to_si, machine.units)
+            factor, unit = si_of(dimension, machine)
             said = f"{size * scales.of(dimension) * factor:.2g} {unit}".removesuffix(" 1")
             found.setdefault(effect, {}).setdefault(at, said)
     return found

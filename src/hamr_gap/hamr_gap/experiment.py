@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .excite import signals
-from .fit import DELTA
 from .hypothesis import Hypothesis
+from .linear import jacobian
 from .model import Model
 from .prepare import Prepared
 from .weigh import FORM_ERROR
+from .weighed import Sensors
 
 TRIED_S = 4.0  # of each signal
 ENOUGH = 5.0  # d' that decides
@@ -85,12 +86,10 @@ def _d_prime(model: Model, prepared: Prepared, first: Hypothesis, second: Hypoth
     base = prepared.base.fit
     a, plain = (model.runs(h.free, h.x)[0] for h in (first.fit, base))
     free, x = second.fit.free, second.fit.x
-    delta = DELTA * np.array([min(f.sd, 1.0) for f in free])
-    runs = model.runs(free, x + np.vstack([np.zeros(len(x)), np.diag(delta)]))
-    b, probes = runs[0], runs[1:]
+    b = model.runs(free, x)[0]
     sigma = np.sqrt(prepared.weighed.sigma**2 + FORM_ERROR * np.mean((a - plain) ** 2, axis=0))
     weighed = replace(prepared.weighed, model=model, chosen=np.ones_like(b, bool), sigma=sigma)
-    columns = np.column_stack([*(weighed.vector(p - b) / d for p, d in zip(probes, delta, strict=True)), weighed.sensor_columns(b)])
+    columns = jacobian(weighed, free, x, b, Sensors.none(b.shape[1]))
     ridge = np.zeros(columns.shape[1])
     ridge[: len(free)] = [1.0 / f.sd for f in free]
     apart = np.r_[weighed.vector(a - b), np.zeros(len(ridge))]

@@ -1,50 +1,24 @@
 """Output-error fits: free runs against readings, by Gauss-Newton steps whose derivatives and trial steps are lanes of one call.
 
-What sensors add linearly (bias of each channel, gain of each actuator sensor, one shift of all clocks) is solved together with
-every step. Weak priors keep what the data cannot tell apart, such as the common scale of inertia, stiffness, damping and gain.
+Weak priors keep what the data cannot tell apart, such as the common scale of inertia, stiffness, damping and gain.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from .model import Model
+from hamr_description.errors import BagError
+
+from .linear import jacobian
 from .parameters import Free
+from .weighed import Sensors, Weighed
 
 TRIALS = np.array([1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
-GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
-DELTA = 1e-3  # of a parameter's prior, for differences
-
-
-@dataclass(frozen=True)
-class Sensors:
-    """The linear part: reading = (1 + gain) y + bias - shift dy/dt.
-
-    Attributes:
-        bias, gain: (channels,). shift: T.
-    """
-
-    bias: np.ndarray
-    gain: np.ndarray
-    shift: float
-
-    def read(self, y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
-        """(n, channels) readings of a run (n, channels); from `starts` it starts as measured, so that there no shift moves it."""
-        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step, starts)
-
-
-def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
-    """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
-    found = np.gradient(y, step, axis=-2)
-    inside = [start for start in starts if start + 1 < y.shape[-2]]
-    for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
-        found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step
-    return found
+HALVINGS = 30  # of a start that diverges
 
 
 @dataclass(frozen=True)
@@ -53,8 +27,7 @@ class Fit:
 
     Attributes:
         free, x: parameters and their values in scales. sensors. run: (n, channels) free run without the sensors' part.
-        reading: with it. cost: half sum of squares on the fitted readings, with priors. jacobian: (m, P + sensors) weighted, of the
-        fitted readings, scaled parameters first. hessian: of cost, with priors.
+        reading: with it. cost: half sum of squares on the fitted readings, with priors. converged: whether it ended by itself.
     """
 
     free: tuple[Free, ...]
@@ -66,109 +39,29 @@ class Fit:
     converged: bool
 
 
-@dataclass(frozen=True)
-class Weighed:
-    """A model with the readings that count and their noise: what a fit is about.
-
-    Attributes:
-        coarse: the same model with as few steps as it bears, for the many runs of a screening; None for the model itself.
-        chosen: (n, channels) readings that count. sigma: (channels,) noise of an averaged reading.
-        gains: channels whose gain is free: all of two coupled joints; of one joint, where it is the drive's, those beside it.
-    """
-
-    model: Model
-    chosen: np.ndarray
-    sigma: np.ndarray
-    gains: tuple[int, ...]
-    coarse: Model | None = None
-
-    @cached_property
-    def until(self) -> int:
-        """Readings up to the last that counts: further than that a fit need not simulate."""
-        return int(np.flatnonzero(self.chosen.any(1))[-1]) + 1
-
-    def vector(self, y: np.ndarray) -> np.ndarray:
-        """Weighted readings that count, (m,), of (n, channels) or (K, m) of (K, n, channels), n at least `until`."""
-        return (y[..., : self.until, :] / self.sigma)[..., self.chosen[: self.until]]
-
-    @property
-    def biased(self) -> tuple[int, ...]:
-        """Channels whose bias is free: not those of joints that start as measured, each time anew."""
-        joints = len(self.model.machine.joints) if self.model.starts else 0
-        return tuple(c for c, own in enumerate(self.model.own) if own >= joints)
-
-    @property
-    def sensor_count(self) -> int:
-        """Columns of `sensor_columns`."""
-        return len(self.biased) + len(self.gains) + 1
-
-    def sensor_columns(self, run: np.ndarray) -> np.ndarray:
-        """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part."""
-        columns = []
-        for c in self.biased:
-            bias = np.zeros_like(run)
-            bias[:, c] = self.sigma[c]  # in units of noise, so that columns are alike in size
-            columns.append(bias)
-        for c in self.gains:
-            gain = np.zeros_like(run)
-            gain[:, c] = run[:, c]
-            columns.append(gain)
-        columns.append(-slope(run, self.model.reading_step, self.model.starts) * self.model.reading_step)
-        return self.vector(np.stack(columns)).T
-
-    @cached_property
-    def sensor_precision(self) -> np.ndarray:
-        """Prior precision of the coefficients of `sensor_columns`: a sensor's scale is known to a per cent, the rest is not."""
-        precision = np.full(self.sensor_count, 1e-9)
-        precision[len(self.biased) : -1] = GAIN_SD**-2.0
-        return precision
-
-    def sensors(self, s: np.ndarray) -> Sensors:
-        """Sensors of the coefficients of `sensor_columns`."""
-        bias, gain = np.zeros(len(self.sigma)), np.zeros(len(self.sigma))
-        biased, gains = list(self.biased), list(self.gains)
-        bias[biased] = s[: len(biased)] * self.sigma[biased]
-        gain[gains] = s[len(biased) : -1]
-        return Sensors(bias, gain, float(s[-1]) * self.model.reading_step)
-
-    def solve_sensors(self, run: np.ndarray) -> tuple[np.ndarray, float]:
-        """Best sensor coefficients for a run, and the half sum of squares that is left."""
-        columns = self.sensor_columns(run)
-        residual = self.vector(self.model.target[: len(run)] - run)
-        s = np.linalg.solve(columns.T @ columns + np.diag(self.sensor_precision), columns.T @ residual)
-        return s, 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
-
-
 def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 25, tolerance: float = 3e-4) -> Fit:
     """Least squares over free parameters and sensors from a start strictly inside the bounds.
 
     Args:
         x0: (P,) in scales. steps: at most. tolerance: relative decrease of cost at which it ends.
+
+    Raises:
+        BagError: the model diverges under the record's drives.
     """
     model, until = weighed.model, weighed.until
     low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
-    x = np.clip(x0, low, high)
-    delta = DELTA * np.array([min(f.sd, 1.0) if np.isfinite(f.sd) else 1.0 for f in free])
-    delta = np.where(x + delta > high, -delta, delta)
-    run = model.runs(free, x, until)[0]
-    while not np.isfinite(run).all():  # a start too bold: half way back to where everything is off or usual
-        x = center + 0.5 * (x - center)
-        run = model.runs(free, x, until)[0]
+    x, run = _started(weighed, free, np.clip(x0, low, high), center)
     s, cost = weighed.solve_sensors(run)
     cost += _prior(x, center, sd)
     converged = False
     for _ in range(steps):
-        probes = model.runs(free, x + np.diag(delta), until) if len(free) else np.empty((0, *run.shape))
         sensors = weighed.sensors(s)
-        base = weighed.vector(sensors.read(run, model.reading_step, model.starts))
-        read = [weighed.vector(sensors.read(p, model.reading_step, model.starts)) for p in probes]
-        columns = [(y - base) / d for y, d in zip(read, delta, strict=True)]
-        jacobian = np.column_stack([*columns, weighed.sensor_columns(run)])
-        residual = weighed.vector(model.target) - base
+        derivatives = jacobian(weighed, free, x, run, sensors)
+        residual = weighed.vector(model.target) - weighed.vector(sensors.read(run, model.reading_step, model.starts))
         n = len(free)
         precision = np.concatenate([sd**-2.0, weighed.sensor_precision])
-        gradient = jacobian.T @ residual - precision * np.concatenate([x - center, s])
-        hessian = jacobian.T @ jacobian + np.diag(precision + 1e-9 * len(residual))
+        gradient = derivatives.T @ residual - precision * np.concatenate([x - center, s])
+        hessian = derivatives.T @ derivatives + np.diag(precision + 1e-9 * len(residual))
         direction = _bounded_step(hessian, gradient, x, low, high, n)
         if not n:
             break
@@ -188,12 +81,22 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
             break
         gained = cost - costs[best]
         x, run, s, cost = trials[best], runs[best], solutions[best], float(costs[best])
-        delta = np.where((x + np.abs(delta) > high), -np.abs(delta), np.abs(delta))
         if gained < tolerance * cost or gained < 0.05:
             converged = True
             break
     sensors, run = weighed.sensors(s), model.runs(free, x)[0]
     return Fit(tuple(free), x, sensors, run, sensors.read(run, model.reading_step, model.starts), cost, converged)
+
+
+def _started(weighed: Weighed, free: Sequence[Free], x: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A start that does not diverge, and its run: of one too bold, half way back to where everything is off or usual, and again."""
+    for _ in range(HALVINGS):
+        run = weighed.model.runs(free, x, weighed.until)[0]
+        if np.isfinite(run).all():
+            return x, run
+        x = center + 0.5 * (x - center)
+    machine = weighed.model.machine.name
+    raise BagError(f"The model of {machine} diverges under the recorded drives: check units and numbers of the model, or the drives.")
 
 
 def _prior(x: np.ndarray, center: np.ndarray, sd: np.ndarray) -> float:

@@ -14,11 +14,11 @@ from hamr_dynamics.machine import Machine
 
 from .analyse import Analysis, analyse, changes_of, effects_of, gap_of
 from .experiment import propose
-from .fit import Sensors
 from .hypothesis import Hypothesis
 from .parameters import Candidate
 from .record import Record
 from .table import fit_table
+from .weighed import Sensors
 
 #: The same machine in four states: as given, re-tuned, with the effect, and re-tuned likewise but with the effect taken out again.
 STATES = ("raw", "retuned", "after", "removed")
@@ -118,7 +118,7 @@ def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:
     prepared = analysis.prepared
     model, base = prepared.weighed.model, prepared.base.fit
     off = {row for c in best.effects for row, _ in c.rows(shape=False)}
-    nothing = Sensors(np.zeros(len(model.own)), np.zeros(len(model.own)), 0.0)
+    nothing = Sensors.none(len(model.own))
     x = {
         "raw": ((), np.zeros(0)), "retuned": (base.free, base.x), "after": (best.fit.free, best.fit.x),
         "removed": (best.fit.free, np.array([0.0 if f.row in off else v for f, v in zip(best.fit.free, best.fit.x, strict=True)])),

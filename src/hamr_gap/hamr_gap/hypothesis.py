@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .fit import Fit, Weighed, fit
+from .fit import Fit, fit
 from .parameters import Candidate, Free, effect_parameters
 from .screen import BATCH, Screen, Solution
+from .weighed import Weighed
 
 STEPS = np.array([1.0, 0.4, 0.15])  # shares of a linear solution that are simulated
 BLOCKS = 24  # of the judged readings, for spread
@@ -62,10 +63,14 @@ def residual(weighed: Weighed, found: Fit) -> np.ndarray:
 
 def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], found: Fit) -> Hypothesis:
     """A hypothesis from its fit."""
-    square = np.where(judged, residual(weighed, found) ** 2, np.nan)
+    return Hypothesis(tuple(effects), found, *left_of(weighed, judged, found.reading))
+
+
+def left_of(weighed: Weighed, judged: np.ndarray, reading: np.ndarray) -> tuple[float, np.ndarray]:
+    """Mean square, in units of the noise, by which readings (n, channels) miss the judged ones: of all, and (b,) of each block."""
+    square = np.where(judged, ((weighed.model.target - reading) / weighed.sigma) ** 2, np.nan)
     rows = np.flatnonzero(judged.any(1))
-    blocks = np.array([np.nanmean(square[part]) for part in _blocks(weighed, rows)])
-    return Hypothesis(tuple(effects), found, float(np.nanmean(square[rows])), blocks)
+    return float(np.nanmean(square[rows])), np.array([np.nanmean(square[part]) for part in _blocks(weighed, rows)])
 
 
 def _blocks(weighed: Weighed, rows: np.ndarray) -> list[np.ndarray]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fit import DELTA, Fit, Weighed
+from .fit import Fit
 from .hypothesis import residual
+from .linear import jacobian
+from .weighed import Weighed
 
 NORMAL_95 = 1.96
 
@@ -16,17 +18,11 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
     Gauss-Newton covariance with priors, times the residual's mean square and its correlation time: what the model does not
     explain counts as noise with the colour it has.
     """
-    model, until, free = weighed.model, weighed.until, found.free
+    free = found.free
     sd = np.array([f.sd for f in free])
-    delta = DELTA * np.minimum(sd, 1.0)
-    delta = np.where(found.x + delta > np.array([f.high for f in free]), -delta, delta)
-    probes = model.runs(free, found.x + np.diag(delta), until)
-    base = weighed.vector(found.reading)
-    read = [weighed.vector(found.sensors.read(p, model.reading_step, model.starts)) for p in probes]
-    columns = [(y - base) / d for y, d in zip(read, delta, strict=True)]
-    jacobian = np.column_stack([*columns, weighed.sensor_columns(found.run)])
+    derivatives = jacobian(weighed, free, found.x, found.run, found.sensors)
     n, precision = len(free), np.concatenate([sd**-2.0, weighed.sensor_precision])
-    hessian = jacobian.T @ jacobian
+    hessian = derivatives.T @ derivatives
     scale = 1.0 / np.sqrt(np.diag(hessian) + precision)
     inverse = np.linalg.pinv((hessian + np.diag(precision)) * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     left = residual(weighed, found)[weighed.chosen.any(1)]

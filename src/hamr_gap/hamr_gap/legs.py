@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
-from hamr_description.names import JOINTS, LEGS, MIRROR, drive_sign, joint_signs
+from hamr_description.names import JOINTS, MIRROR, drive_sign, joint_signs
 from hamr_description.numbers import value
 from hamr_description.units import length_from_si
 from hamr_dynamics.machine import Machine, leg_machine
@@ -28,15 +28,6 @@ class Measured(Protocol):
     angles: np.ndarray
     deflections: np.ndarray | None
     sample_hz: float
-
-
-@dataclass(frozen=True, slots=True)
-class Leg:
-    """A leg: its model and what was measured of it."""
-
-    name: str
-    machine: Machine
-    record: Record
 
 
 def machine_of(backend: str, leg: str) -> Machine:
@@ -67,8 +58,3 @@ def clear_of_stops(record: Record) -> Record:
     if after.mean() > 1.0 - ENOUGH_CLEAR:
         return record
     return replace(record, readings=np.where(after[:, None], np.nan, record.readings))
-
-
-def legs(measured: Measured, backend: str) -> list[Leg]:
-    """All four legs."""
-    return [Leg(leg, machine_of(backend, leg), record_of(measured, leg)) for leg in LEGS]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -71,6 +72,11 @@ class Model:
     def runs(self, free: Sequence[Free], x: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, P) parameter sets; the first `samples` readings if said."""
         return self.run_rows(self.rows(free, x), samples)
+
+    @cached_property
+    def plain(self) -> np.ndarray:
+        """(n, channels) of the machine as given."""
+        return self.runs((), np.zeros(0))[0]
 
     def run_rows(self, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, rows) lane parameters; the first `samples` readings if said."""

@@ -9,12 +9,13 @@ import numpy as np
 from hamr_description.errors import BagError
 from hamr_dynamics.machine import Machine
 
-from .fit import Fit, Weighed, fit
-from .hypothesis import Hypothesis, judge
+from .fit import Fit, fit
+from .hypothesis import Hypothesis, judge, left_of
 from .model import BAND, Model, scales_of
 from .parameters import changes
 from .record import Record, noise_of
 from .roles import Roles, mask, roles_of
+from .weighed import Weighed
 
 FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
@@ -57,13 +58,12 @@ def prepare(machine: Machine, record: Record) -> Prepared:
         weighed = replace(weighed, model=model)
         found = fit(weighed, found.free, found.x)
     judged = mask(weighed.model, roles.select)
-    raw = weighed.model.runs((), np.zeros((1, 0)))[0]
-    raw_left = float(np.mean((((model.target - raw) / weighed.sigma) ** 2)[judged]))
+    raw, _ = left_of(weighed, judged, model.plain)
     sigma = np.maximum(weighed.sigma, noise_of(_gaps(model.target - found.reading, roles.fit)))
     if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
-    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw_left, noise, numerical)
+    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, numerical)
 
 
 def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.ndarray]:
@@ -76,7 +76,7 @@ def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.nd
     gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
     weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
     free = changes(machine, model.scales)
-    rough = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.runs((), np.zeros((1, 0)))[0])))
+    rough = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.plain)))
     found = fit(rough, free, np.zeros(len(free)))
     fair = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, found.reading)))
     if (fair.sigma < rough.sigma).any():

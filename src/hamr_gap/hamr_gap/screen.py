@@ -8,18 +8,19 @@ What looks best is then simulated, for the linear picture deceives where a re-tu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
 from hamr_dynamics.effects.law import Parameter
 
-from .fit import Fit, Weighed, slope
+from .fit import Fit
+from .linear import jacobian
 from .parameters import Candidate, lanes
+from .weighed import Weighed, slope
 
 BATCH = 48  # lanes at a time
-DELTA = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,24 +137,15 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     finite = np.isfinite(responses).all((1, 2))
     responses[~finite] = 0.0
 
-    n = len(base.free)
-    delta = DELTA * np.array([min(f.sd, 1.0) for f in base.free])
-    probes = model.runs(base.free, base.x + np.diag(delta), until)
-    fixed = [base.sensors.read(p - plain, model.reading_step, model.starts) - base.sensors.bias for p in probes]
-    fixed = [(p / d) / weighed.sigma for p, d in zip(fixed, delta, strict=True)]
-    sensors = _sensor_responses(weighed, base)
-    every = np.concatenate([np.array(fixed).reshape(n, *plain.shape), sensors[:, :until], responses])
+    everything = replace(weighed, model=model, chosen=np.ones_like(chosen))
+    fixed = jacobian(everything, base.free, base.x, plain, base.sensors).T.reshape(-1, *plain.shape)
+    every = np.concatenate([fixed, responses])
     residual = ((weighed.model.target - base.reading) / weighed.sigma)[:until]
     ridge = np.concatenate([
         [f.sd**-2.0 for f in base.free], weighed.sensor_precision, [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
     ])  # fmt: skip
     a, r = every[:, chosen].astype(float), residual[chosen]
-    return Screen(columns, n + len(sensors), groups, (a @ a.T, a @ r, float(r @ r)), ridge)
-
-
-def _sensor_responses(weighed: Weighed, base: Fit) -> np.ndarray:
-    everything = Weighed(weighed.model, np.ones_like(weighed.chosen), weighed.sigma, weighed.gains)
-    return everything.sensor_columns(base.run).T.reshape(-1, *base.run.shape)
+    return Screen(columns, len(fixed), groups, (a @ a.T, a @ r, float(r @ r)), ridge)
 
 
 def _columns(candidates: Sequence[Candidate], scales) -> tuple[list[Column], dict]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
 
 from .candidates import candidates
-from .fit import Fit, Weighed
-from .hypothesis import Hypothesis, Start, judge, refine, residual, starts
+from .fit import Fit
+from .hypothesis import Hypothesis, Start, refine, residual, starts
 from .parameters import Candidate
 from .record import noise_of
 from .screen import Screen, screen
+from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
 ALL_FORMS = 3  # of these, in all their forms
@@ -125,15 +126,13 @@ def _pairs(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alone
 
 def _beside(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], size: int) -> list[Hypothesis]:
     """One more effect beside the best set of one less, in a linear picture about that set."""
-    smaller = sorted((h for h in state.tried if len(h.effects) == size - 1), key=lambda h: h.left)[:1]
-    found = []
-    for h in smaller:
-        others = [c for c in everything if all(c.effect != e.effect for e in h.effects)]
-        around = _look(weighed, h.fit, others)
-        for start in _first(_singles(weighed, h.fit, around, others), MORE):
-            more = refine(weighed, judged, start)
-            found.append(judge(weighed, judged, (*h.effects, *start.effects), more.fit))
-    return found
+    smaller = [h for h in state.tried if len(h.effects) == size - 1]
+    if not smaller:
+        return []
+    least = min(smaller, key=lambda h: h.left)
+    others = [c for c in everything if all(c.effect != e.effect for e in least.effects)]
+    more = _first(_singles(weighed, least.fit, _look(weighed, least.fit, others), others), MORE)
+    return [replace(refine(weighed, judged, start), effects=(*least.effects, *start.effects)) for start in more]
 
 
 def noise_floor(weighed: Weighed, judged: np.ndarray, best: Hypothesis) -> float:
@@ -141,8 +140,3 @@ def noise_floor(weighed: Weighed, judged: np.ndarray, best: Hypothesis) -> float
     left = residual(weighed, best.fit)
     rows = judged.any(1)
     return float(min(np.mean(noise_of(np.where(rows[:, None], left, np.nan)) ** 2), best.left))
-
-
-def named(effects: Iterable[Candidate]) -> str:
-    """A set of effects in words."""
-    return " + ".join(f"{c.effect}({','.join(map(str, c.joints))})" for c in effects) or "nothing"

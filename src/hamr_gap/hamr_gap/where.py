@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import welch
 
-from .fit import Fit, Weighed
+from .fit import Fit
 from .hypothesis import residual
+from .weighed import Weighed
 
 BANDS = 6
 

@@ -7,6 +7,6 @@ from .bag import write
 from .case import Case, Effect, Truth
 from .draw import draw
 from .noise import measured
-from .simulate import simulate
+from .simulate import commands, simulate
 
-__all__ = ["Case", "Effect", "Truth", "draw", "measured", "simulate", "write"]
+__all__ = ["Case", "Effect", "Truth", "commands", "draw", "measured", "simulate", "write"]

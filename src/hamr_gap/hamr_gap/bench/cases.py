@@ -8,22 +8,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 import hidden_gap
-from hamr_bags.as_measured import strokes
-from hamr_description.names import Topic, drive_sign, joint_signs
-from hamr_description.numbers import value
-from hamr_description.units import length_from_si
+from hidden_gap.case import JOINTS, LEG, Case, Truth
 
-from ..legs import clear_of_stops
+from ..legs import record_of
+from ..measured import Samples
 from ..record import Record
 
-LEG = "fl"
 JUMPS = ("mix", "steps", "triangle")  # excitations whose drive is recorded at its own rate: slower samples lose when it jumps
 GROUPS = {"single": 0, "pair": 1, "triple": 2, "null": 3, "outside": 4, "twins": 5}
 SETS = {"development": 100_000, "calibration": 200_000, "report": 300_000}
@@ -43,25 +39,19 @@ def make(folder: Path, group: str, set_: str, index: int, *, strength: float, se
     case = hidden_gap.draw(group, name, strength=strength, seconds=seconds)
     truth = hidden_gap.simulate(case)
     seen = hidden_gap.measured(case, truth)
-    record = record_of(case, truth, seen)
+    samples = samples_of(case, truth, seen)
     for path in (case_file, answer_file):
         path.parent.mkdir(parents=True, exist_ok=True)
-    np.savez(
-        case_file, drives=record.drives, readings=record.readings, step=record.step, channels=record.channels,
-        drives_per_reading=record.drives_per_reading,
-    )  # fmt: skip
-    noise = case.noise * np.array([strokes()[Topic.SERVO_JOINTS]] * 2 + [length_from_si(strokes()[Topic.SERVO_ACTUATORS])] * 2)
-    np.savez(answer_file.with_suffix(".npz"), readings=_readings(truth), noise=noise)
+    tips = {} if samples.deflections is None else {"deflections": samples.deflections}
+    np.savez(case_file, sample_hz=samples.sample_hz, voltages=samples.voltages, angles=samples.angles, **tips)
     answer_file.write_text(json.dumps(asdict(case), indent=1))
 
 
 def load(path: Path) -> Record:
     """The record of a case."""
     with np.load(path, allow_pickle=False) as f:
-        per = int(f["drives_per_reading"])
-        return clear_of_stops(
-            Record(f["drives"], f["readings"], float(f["step"]), tuple(map(str, f["channels"])), held=per > 1, drives_per_reading=per)
-        )
+        tips = f.get("deflections")
+        return record_of(Samples(JOINTS, 0.0, float(f["sample_hz"]), f["voltages"], f["angles"], tips), LEG, JOINTS)
 
 
 def digest(folder: Path, names: list[int]) -> str:
@@ -72,21 +62,11 @@ def digest(folder: Path, names: list[int]) -> str:
     return sha.hexdigest()
 
 
-def _readings(run) -> np.ndarray:
-    return np.hstack([run.angles * np.array(joint_signs(LEG), float), length_from_si(run.tips) * joint_signs(LEG)[1]])
-
-
-def record_of(case, truth, seen) -> Record:
-    """What was measured: lost samples are NaN, channels without a sensor are left out."""
-    joints = (f"{LEG}_swing", f"{LEG}_lift")
-    channels = (*joints, *(f"{joint}_actuator" for joint in joints))
-    step = 1e3 * float(truth.time[1] - truth.time[0])
-    readings = np.full((len(truth.time), 4), np.nan)
-    readings[np.round(seen.time / (truth.time[1] - truth.time[0])).astype(int)] = _readings(seen)
-    kept = [i for i in range(4) if np.isfinite(readings[:, i]).any()]
-    drives, per = truth.volts, 1
-    if case.excitation["kind"] in JUMPS:
-        drives = sys.modules["hidden_gap.simulate"].commands(**case.excitation)
-        per = len(drives) // len(readings)
-    drives = (drives - value("actuator.neutral_voltage")) * drive_sign(LEG)
-    return clear_of_stops(Record(drives, readings[:, kept], step, tuple(channels[i] for i in kept), held=per > 1, drives_per_reading=per))
+def samples_of(case: Case, truth: Truth, seen: Truth) -> Samples:
+    """What was measured: lost samples are NaN, tips that have no sensor None."""
+    hz = 1.0 / float(truth.time[1] - truth.time[0])
+    at = np.round(seen.time * hz).astype(int)
+    angles, tips = (np.full(truth.angles.shape, np.nan) for _ in range(2))
+    angles[at], tips[at] = seen.angles, seen.tips
+    volts = hidden_gap.commands(**case.excitation) if case.excitation["kind"] in JUMPS else truth.volts
+    return Samples(JOINTS, 0.0, hz, volts, angles, tips if "deflections" in case.channels else None)

@@ -24,7 +24,6 @@ class Scored:
     verdict: str
     first: frozenset | None
     answers: tuple[frozenset | None, ...]
-    confident: bool
     result: dict
     answer: dict
 
@@ -63,7 +62,7 @@ def scored(folder: Path, name: int, verdicts: str = "verdicts") -> Scored:
     found = result["verdict"] in ("named", "ambiguous", "unknown")
     return Scored(
         name, answer["group"], truth, answer["noise_kind"] if not answer["changes"] else "changes", result["verdict"],
-        chosen[0] if found and chosen else None, tuple(chosen) if found else (), found and len(chosen) == 1, result, answer,
+        chosen[0] if found and chosen else None, tuple(chosen) if found else (), result, answer,
     )  # fmt: skip
 
 

@@ -1,0 +1,27 @@
+"""Derivatives of what a record would read with respect to free numbers, by differences in lanes of one call."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .parameters import Free
+from .weighed import Sensors, Weighed
+
+DELTA = 1e-3  # of a parameter's prior, or of its scale where that is narrower
+
+
+def jacobian(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray, sensors: Sensors) -> np.ndarray:
+    """(m, P + sensors) derivatives of the weighed readings that count: free numbers first, then the sensors' part.
+
+    Args:
+        x: (P,) in scales. run: (n, channels) at x, n at least `weighed.until`. sensors: what reads it.
+    """
+    model = weighed.model
+    step = DELTA * np.minimum([f.sd for f in free], 1.0)
+    step = np.where(x + step > [f.high for f in free], -step, step)
+    base = weighed.vector(sensors.read(run, model.reading_step, model.starts))
+    probes = model.runs(free, x + np.diag(step), len(run)) if len(free) else ()
+    columns = [(weighed.vector(sensors.read(p, model.reading_step, model.starts)) - base) / d for p, d in zip(probes, step, strict=True)]
+    return np.column_stack([*columns, weighed.sensor_columns(run)])

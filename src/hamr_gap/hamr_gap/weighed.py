@@ -1,0 +1,120 @@
+"""A model with the readings that count, and what sensors make of its runs.
+
+What sensors add linearly (biases, gains, one shift of all clocks) is solved for with every run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .model import Model
+
+GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """The linear part: reading = (1 + gain) y + bias - shift dy/dt.
+
+    Attributes:
+        bias, gain: (channels,). shift: T.
+    """
+
+    bias: np.ndarray
+    gain: np.ndarray
+    shift: float
+
+    @classmethod
+    def none(cls, channels: int) -> Sensors:
+        """Sensors that change nothing."""
+        return cls(np.zeros(channels), np.zeros(channels), 0.0)
+
+    def read(self, y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+        """(n, channels) readings of a run (n, channels); from `starts` it starts as measured, so that there no shift moves it."""
+        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step, starts)
+
+
+def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+    """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
+    found = np.gradient(y, step, axis=-2)
+    inside = [start for start in starts if start + 1 < y.shape[-2]]
+    for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
+        found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step
+    return found
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A model with the readings that count and their noise: what a fit is about.
+
+    Attributes:
+        coarse: the same model with as few steps as it bears, for the many runs of a screening; None for the model itself.
+        chosen: (n, channels) readings that count. sigma: (channels,) noise of an averaged reading.
+        gains: channels whose gain is free: all of two coupled joints; of one joint, where it is the drive's, those beside it.
+    """
+
+    model: Model
+    chosen: np.ndarray
+    sigma: np.ndarray
+    gains: tuple[int, ...]
+    coarse: Model | None = None
+
+    @cached_property
+    def until(self) -> int:
+        """Readings up to the last that counts: further than that a fit need not simulate."""
+        return int(np.flatnonzero(self.chosen.any(1))[-1]) + 1
+
+    def vector(self, y: np.ndarray) -> np.ndarray:
+        """Weighted readings that count, (m,), of (n, channels) or (K, m) of (K, n, channels), n at least `until`."""
+        return (y[..., : self.until, :] / self.sigma)[..., self.chosen[: self.until]]
+
+    @property
+    def biased(self) -> tuple[int, ...]:
+        """Channels whose bias is free: not those of joints that start as measured, each time anew."""
+        joints = len(self.model.machine.joints) if self.model.starts else 0
+        return tuple(c for c, own in enumerate(self.model.own) if own >= joints)
+
+    @property
+    def sensor_count(self) -> int:
+        """Columns of `sensor_columns`."""
+        return len(self.biased) + len(self.gains) + 1
+
+    def sensor_columns(self, run: np.ndarray) -> np.ndarray:
+        """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part."""
+        columns = []
+        for c in self.biased:
+            bias = np.zeros_like(run)
+            bias[:, c] = self.sigma[c]  # in units of noise, so that columns are alike in size
+            columns.append(bias)
+        for c in self.gains:
+            gain = np.zeros_like(run)
+            gain[:, c] = run[:, c]
+            columns.append(gain)
+        columns.append(-slope(run, self.model.reading_step, self.model.starts) * self.model.reading_step)
+        return self.vector(np.stack(columns)).T
+
+    @cached_property
+    def sensor_precision(self) -> np.ndarray:
+        """Prior precision of the coefficients of `sensor_columns`: a sensor's scale is known to a per cent, the rest is not."""
+        precision = np.full(self.sensor_count, 1e-9)
+        precision[len(self.biased) : -1] = GAIN_SD**-2.0
+        return precision
+
+    def sensors(self, s: np.ndarray) -> Sensors:
+        """Sensors of the coefficients of `sensor_columns`."""
+        bias, gain = np.zeros(len(self.sigma)), np.zeros(len(self.sigma))
+        biased, gains = list(self.biased), list(self.gains)
+        bias[biased] = s[: len(biased)] * self.sigma[biased]
+        gain[gains] = s[len(biased) : -1]
+        return Sensors(bias, gain, float(s[-1]) * self.model.reading_step)
+
+    def solve_sensors(self, run: np.ndarray) -> tuple[np.ndarray, float]:
+        """Best sensor coefficients for a run, and the half sum of squares that is left."""
+        columns = self.sensor_columns(run)
+        residual = self.vector(self.model.target[: len(run)] - run)
+        s = np.linalg.solve(columns.T @ columns + np.diag(self.sensor_precision), columns.T @ residual)
+        return s, 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
