@@ -47,12 +47,6 @@ def approach(height, velocity, normal, friction, h, *, stiffness, damping, slip_
     return Contact(normal, touching * (stiffness * -height), touching * (stiffness * (0.5 * h) + damping), slip, velocity)
 
 
-def resist(contact: Contact, velocity):
-    """D v for the foot."""
-    along = (contact.grip - contact.slip) * vec.dot(contact.normal, velocity)
-    return vec.add(vec.scale(velocity, contact.slip), vec.scale(contact.normal, along))
-
-
 def clamp(contact: Contact, velocity, friction):
     """Force that ground can give at foot velocity `velocity` after the step: no pull, inside the cone. N."""
     rise = vec.dot(contact.normal, velocity)
