@@ -1,0 +1,1 @@
+"""What others would do on the same cases, with the same library, re-tune and data: the workflow is compared with each, in pairs."""
