@@ -16,6 +16,7 @@ from ...record import noise_of
 ORDER = 4  # of the filter, run forth and back
 CUTOFFS = np.geomspace(0.003, 0.2, 25)  # per sample
 REMOVES = 1.1  # of the noise: a filter that removes no more leaves the signal whole
+ENDS = 5  # such periods at both ends that the filter can only guess at
 WIDER = 2.0  # the filter of the motion against the one of the forces, so that the latter alone forms the band
 
 
@@ -77,11 +78,11 @@ def _bridged(x: np.ndarray) -> np.ndarray:
 
 
 def _about(gaps: np.ndarray, cutoff: float) -> np.ndarray:
-    """True in gaps of a quarter of the filter's shortest period or more, and within a period of them and of the ends."""
+    """True in gaps of a quarter of the filter's shortest period or more, within a period of them, and near the ends."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], gaps.astype(int), [0]])))
     about = np.zeros(len(gaps), bool)
     reach = int(1.0 / cutoff)
-    about[:reach] = about[-reach:] = True
+    about[: ENDS * reach] = about[-ENDS * reach :] = True
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         if stop - start >= 0.25 / cutoff:
             about[max(0, start - reach) : stop + reach] = True

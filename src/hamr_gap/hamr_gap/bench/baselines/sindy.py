@@ -43,23 +43,38 @@ class Dictionary:
 
 
 def sindy(prepared: Prepared) -> Path:
-    """Names whose columns survive the threshold that is best on held-out readings; the level of a name is the
-    log ratio of the held-out errors without and with it. All that survive are then fitted as the workflow fits."""
+    """Names whose columns survive the threshold that is best on held-out readings, ranked by taking them out one by one, the least missed
+    first; the level of a name is the log ratio of the held-out errors without and with it. What survives is then fitted as the workflow
+    fits."""
     found = dictionary(prepared)
     coefficients = sparse(found)
-    alive = np.flatnonzero(coefficients)
-    names = sorted({found.places[k] for k in alive}, key=lambda c: (c.effect, c.form, c.joints))
-    groups: dict[tuple, list[int]] = {}
-    for k in alive:
-        groups.setdefault(found.places[k].name, []).append(int(k))
-    whole = _left(found, alive)
-    level = {name: float(np.log(_left(found, [k for k in alive if k not in own]) / whole)) for name, own in groups.items()}
-    share = {c: float(np.linalg.norm(found.fit[:, :-1] @ np.where([p == c for p in found.places], coefficients, 0.0))) for c in names}
-    ranked = sorted(groups, key=lambda name: -level[name])[:MOST]
-    strongest = [max((c for c in names if c.name == name), key=share.__getitem__) for name in ranked]
-    chosen = [together(strongest[: k + 1]) for k in range(len(strongest))]
-    steps = [Step(t, refit(prepared, found, coefficients, c)) for t, c in zip(falling(level[n] for n in ranked), chosen, strict=True)]
-    return Path(steps, threshold=-np.inf if len(steps) < 1 else min(step.level for step in steps))
+    alive = {k: found.places[k] for k in np.flatnonzero(coefficients).tolist()}
+    ranked, levels = _ranked(found, {k: c.name for k, c in alive.items()})
+    share = np.abs(coefficients) * np.linalg.norm(found.fit[:, :-1], axis=0)
+    strongest = [max((k for k in alive if alive[k].name == name), key=share.__getitem__) for name in ranked[:MOST]]
+    chosen = [together(alive[k] for k in strongest[: count + 1]) for count in range(len(strongest))]
+    steps = [Step(t, refit(prepared, found, coefficients, c)) for t, c in zip(falling(levels[:MOST]), chosen, strict=True)]
+    return Path(steps, threshold=min((step.level for step in steps), default=0.0))
+
+
+def _ranked(found: Dictionary, names: dict[int, tuple]) -> tuple[list[tuple], list[float]]:
+    """Names of columns, most missed first, and by how much the logarithm of the held-out error rises without each and all behind it."""
+    fit_, judged = (np.linalg.qr(x, mode="r") for x in (found.fit, found.judged))
+
+    def error(kept: Sequence[tuple]) -> float:
+        chosen = [k for k in names if names[k] in kept]
+        x = np.linalg.lstsq(fit_[:, chosen], fit_[:, -1], rcond=None)[0]
+        return float(np.sum((judged[:, -1] - judged[:, chosen] @ x) ** 2))
+
+    kept, ranked, levels = sorted(set(names.values())), [], []
+    while kept:
+        whole = error(kept)
+        without = {name: error([other for other in kept if other != name]) for name in kept}
+        least = min(kept, key=without.__getitem__)
+        kept.remove(least)
+        ranked.insert(0, least)
+        levels.insert(0, float(np.log(without[least] / whole)))
+    return ranked, levels
 
 
 def dictionary(prepared: Prepared) -> Dictionary:
@@ -133,13 +148,6 @@ def refit(prepared: Prepared, found: Dictionary, coefficients: np.ndarray, effec
     x0 = [begin.get(f.row, f.center) for f in added]
     inside = [x if f.low < x < f.high else f.center or 1e-3 * f.sd for f, x in zip(added, x0, strict=True)]
     return judge(prepared.weighed, prepared.judged, effects, fit(prepared.weighed, (*base.free, *added), np.concatenate([base.x, inside])))
-
-
-def _left(found: Dictionary, kept: Sequence[int]) -> float:
-    """Held-out mean square with some columns, by plain least squares."""
-    chosen = list(kept)
-    x = np.linalg.lstsq(found.fit[:, chosen], found.fit[:, -1], rcond=None)[0]
-    return float(np.mean((found.judged[:, -1] - found.judged[:, chosen] @ x) ** 2))
 
 
 def _blocks(left: np.ndarray) -> np.ndarray:
