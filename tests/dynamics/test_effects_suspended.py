@@ -75,6 +75,19 @@ def test_robot_and_machine_agree(runs, key):
     assert effect > 1e-5 or key == ("end_stop", "upper")  # a stop beyond this motion
 
 
+def test_robot_and_machine_agree_on_several_at_once():
+    """Laws act one after the other in the same order."""
+    machine, sim = leg_machine(SIMPLE, "fl", gravity=value("robot.gravity")), simulator(1, several("all"))
+    rows = np.array([[sim.parameter(row)[0, 0] for row in machine.parameter_rows[:-1]] + [SERVO_MS]])
+    drives = np.random.default_rng(1).normal(0, 40, (400, 2)).clip(-112, 112)
+    expected, found = machine_kernel.simulate(machine, drives, rows, step=SERVO_MS, substeps=1)[0, :, :2], np.empty((400, 2))
+    for k, drive in enumerate(drives):
+        found[k] = sim.measured()[0][0, :2]
+        sim.step_voltages(NEUTRAL + np.tile(drive, 4)[None, None] * DRIVE_SIGN)
+    assert np.abs(found - expected).max() < 1e-12
+    assert np.abs(found).max() > 0.05
+
+
 def trace(model, environment: str, n: int, steps: int) -> np.ndarray:
     """State rows of the legs and the base after steps under noise, from the traces in plain arithmetic: no sum is contracted."""
     h, legs, rng = SERVO_MS, 4 * n, np.random.default_rng(3)

@@ -57,6 +57,19 @@ def run_source(source: str, name: str, *arrays: np.ndarray) -> np.ndarray:
     return arrays[-1]
 
 
+def test_a_row_that_stays_is_not_written():
+    """An output that lies on the input that it is."""
+    stage = Stage("rows", {"x": ("0", "1")}, {"new_x": ("0", "1")})
+    first, second = (stage.read("x", row) for row in "01")
+    stage.write("new_x", "0", first)
+    stage.write("new_x", "1", second + first)
+    body = loop_body(stage, 1, work={"x": 0, "new_x": 0})
+    work = np.array([2.0, 3.0])
+    run_source(f"def rows(work):\n{body}", "rows", work)
+    assert work.tolist() == [2.0, 5.0]
+    assert body.count("] = ") == 1
+
+
 @given(st.floats(0.1, 10), st.floats(-10, 10))
 def test_division_and_root_are_traced(a, b):
     graph = Graph()

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 
 from .trace import Graph, Var
 
-_FORMAT = {
+#: Operation -> its source text.
+OPERATIONS = {
     "add": "{} + {}",
     "sub": "{} - {}",
     "mul": "{} * {}",
@@ -76,7 +77,9 @@ def loop_source(stage: Stage, lanes: int) -> str:
     return f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):\n" + loop_body(stage, lanes)
 
 
-def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None, indent: int = 4) -> str:
+def loop_body(
+    stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None, indent: int = 4, operations: Mapping[str, str] = OPERATIONS
+) -> str:
     """Python source of the stage over all lanes. Needs U, sqrt, real, ONE and ZERO in scope.
 
     Args:
@@ -84,6 +87,7 @@ def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None
             names. In one array the compiler knows what overlaps; with several it tests at run time every pair of rows, which can
             cost more than the stage. In `work`, outputs may lie on inputs.
         indent: spaces before each line.
+        operations: operation -> its source text.
     """
     graph, constants = stage.graph, {}
 
@@ -99,17 +103,21 @@ def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None
     read = set(sources.values())
     before, body, last = [], [], []
     stores: dict[int, list[str]] = {}
+    stays = set()
     for array, names in stage.outputs.items():
         for i, row in enumerate(names):
             value = stage.values[array, row]
-            if isinstance(value, Var):
-                stores.setdefault(value.index, []).append(at(array, i))
-            else:
+            if not isinstance(value, Var):
                 last.append(f"{at(array, i)} = {name(float(value))}")
-    for i in graph.needed(stage.values.values()):
+            elif sources.get(graph.nodes[value.index][1][0]) == at(array, i):
+                stays.add((array, row))  # an input that lies there already
+            else:
+                stores.setdefault(value.index, []).append(at(array, i))
+    for i in graph.needed(value for key, value in stage.values.items() if key not in stays):
         op, args = graph.nodes[i]
         once = op == "input" and args[0].split(".")[0] in stage.uniform
-        (before if once else body).append(f"{name(i)} = " + (sources[args[0]] if op == "input" else _FORMAT[op].format(*map(name, args))))
+        text = sources[args[0]] if op == "input" else operations[op].format(*map(name, args))
+        (before if once else body).append(f"{name(i)} = {text}")
         for place in stores.get(i, ()):  # at once, so that the value need not be kept; but what is still to be read is not overwritten
             (last if place in read else body).append(f"{place} = {name(i)}")
     before += [f"{name} = real({text})" for text, name in constants.items()]

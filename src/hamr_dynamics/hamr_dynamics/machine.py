@@ -1,7 +1,7 @@
 """A machine of one or two coupled joints, one drive each, with every effect of the library built in and switched off.
 
-HAMR's suspended leg is one; any other machine can be (`linear_machine`, or `Machine` itself). The step is the linearly implicit
-midpoint rule of `step`; effects and the re-tunable parameters (`CHANGES`) are rows that differ from lane to lane.
+HAMR's suspended leg is one; any other machine can be (`linear_machine`, or `Machine` itself). Effects and the re-tunable parameters
+(`CHANGES`) are rows that differ from lane to lane; `machine_stages` has the step.
 """
 
 from __future__ import annotations
@@ -14,14 +14,12 @@ import numpy as np
 
 from hamr_description.errors import ConfigError
 
-from .effects.bank import ACTS, CHANGES, Acting, Bank, Equations
+from .effects.bank import ACTS, CHANGES, Bank
 from .effects.law import Form, Scales
-from .emit import Stage
 from .leg import inertia
 from .plant import Plant
-from .step import inverse2, times2
 
-__all__ = ["CHANGES", "Machine", "Terms", "leg_machine", "linear_machine", "step_stage"]
+__all__ = ["CHANGES", "Machine", "Terms", "leg_machine", "linear_machine"]
 
 @dataclass(frozen=True, slots=True)
 class Terms:
@@ -101,47 +99,6 @@ class Machine:
         """Names of the state: q, v, a, slip of each joint, time, and the effects' own."""
         own = [f"{x}.{j}" for x in ("q", "v", "a", "slip") for j in range(len(self.joints))]
         return (*own, "time", *self.bank.state_rows(*ACTS))
-
-def step_stage(machine: Machine) -> Stage:
-    """The traced step: state, drive and parameters -> new state, and the readings at its start."""
-    n = len(machine.joints)
-    drives = tuple(f"u.{j}" for j in range(n))
-    stage = Stage(
-        "machine_step", {"state": machine.state_rows, "drive": drives, "param": machine.parameter_rows},
-        {"new_state": machine.state_rows, "seen": tuple(f"y.{c}" for c in range(len(machine.channels)))},
-    )  # fmt: skip
-    q, v, a, slip = (tuple(stage.read("state", f"{x}.{j}") for j in range(n)) for x in ("q", "v", "a", "slip"))
-    time, h = stage.read("state", "time"), stage.read("param", "step")
-    bank = Acting(machine.bank, stage)
-
-    u = bank.drive(tuple(stage.read("drive", d) for d in drives), time, h)
-    middle = tuple(x + (0.5 * h) * y for x, y in zip(q, v, strict=True))
-    v_mid = tuple(y + (0.5 * h) * z for y, z in zip(v, a, strict=True))
-    terms = machine.terms(middle, v_mid, v, u)
-    force = [x - b for x, b in zip(terms.force, terms.bias, strict=True)]
-    equations = Equations(force, list(terms.mass), list(terms.stiffness), list(terms.damping), [0.0] * n)
-    stiff, heavy = ([machine.diagonal(x, j) for j in range(n)] for x in (machine.at_rest.stiffness, machine.at_rest.mass))
-    bank.push(equations, middle, v, terms.drive, stiff, heavy, time, h)
-
-    matrices = zip(equations.mass, equations.damping, equations.stiffness, strict=True)
-    left = tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in matrices)
-    kick = tuple(h * f for f in equations.force)
-    increment = times2(inverse2(left), kick) if n == 2 else (kick[0] / left[0],)
-    v_new = tuple(x + y for x, y in zip(v, increment, strict=True))
-    _write(stage, "new_state", "q", [x + (0.5 * h) * (y + z) for x, y, z in zip(q, v, v_new, strict=True)])
-    _write(stage, "new_state", "v", v_new)
-    _write(stage, "new_state", "a", [x / h for x in increment])
-    _write(stage, "new_state", "slip", equations.slip)
-    stage.write("new_state", "time", time + h)
-
-    outputs = machine.outputs(q, slip)
-    seen = (*bank.sense(outputs[:n], h), *outputs[n:])
-    _write(stage, "seen", "y", seen)
-    return stage
-
-def _write(stage: Stage, array: str, name: str, values) -> None:
-    for i, x in enumerate(values):
-        stage.write(array, f"{name}.{i}", x)
 
 def linear_machine(
     name: str, *, inertia: float, stiffness: float = 0.0, damping: float = 0.0, gain: float = 1.0, preload: float = 0.0,

@@ -1,4 +1,8 @@
-"""Compiled free runs of a machine: many lanes, each with parameters and effects of its own, under recorded drives."""
+"""Compiled free runs of a machine: many lanes, each with parameters and effects of its own, under recorded drives.
+
+One kernel holds every law of the library, each in a loop over lanes of its own behind a flag: all of them would take five times as long
+as the machine alone, and a lane seldom uses more than three.
+"""
 
 from __future__ import annotations
 
@@ -7,69 +11,89 @@ from types import ModuleType
 
 import numpy as np
 
+from .branchless import BRANCHLESS, IMPORT
 from .driver import HEADER
 from .emit import loop_body
 from .kernels import load_source
-from .machine import Machine, step_stage
+from .machine import Machine
+from .machine_stages import arrays, parts
 
 LANES = 16
 
 RUN = """
 
 @jit
-def run(drives, first, start, param, substeps, mean, every, seen, end):
+def run(drives, first, start, param, used, substeps, mean, seen, end):
     align_stack()
     work = aligned({size}, real)
     lanes = U({lanes})
     scale = real(1.0 / mean)
     for b in range(param.shape[0]):
-        work[{state}] = start[b]
-        work[{param}] = param[b]
-        seen[b] = ZERO
+        for i in range(start.shape[1]):
+            work[U({state_at}) + U(i)] = start[b, i]
+        for i in range(param.shape[1]):
+            work[U({param_at}) + U(i)] = param[b, i]
         for k in range(seen.shape[1] * mean * substeps):
             for e in range(lanes):
                 at = first[b, e] + k
                 for j in range({joints}):
                     work[U({drive_at}) + U(j) * lanes + U(e)] = drives[at, j]
 {step}
-            sample = k // substeps
-            if k % substeps == 0 and sample % every < mean:
-                row = sample // every
-                if row < seen.shape[1]:
-                    for i in range({channels} * {lanes}):
-                        seen[b, row, i] += scale * work[U({seen_at}) + U(i)]
-        end[b] = work[{state}]
+            if k % substeps == 0:
+                row = k // substeps // mean
+                for i in range({channels} * {lanes}):
+                    seen[b, row, i] += scale * work[U({seen_at}) + U(i)]
+        for i in range(end.shape[1]):
+            end[b, i] = work[U({state_at}) + U(i)]
 """
 
 
 def source(machine: Machine) -> str:
-    """Source of the module with `run`."""
-    stage = step_stage(machine)
-    sizes = {"state": machine.state_rows, "drive": machine.joints, "param": machine.parameter_rows, "seen": machine.channels}
+    """Source of the module with `run`; machines of equal numbers have the same."""
     places, end = {}, 0
-    for array, rows in sizes.items():
-        places[array] = end
+    for array, rows in arrays(machine).items():
+        places[array] = places[f"new_{array}"] = end
         end += len(rows) * LANES
-    places["new_state"] = places["state"]
-    spans = {array: f"{places[array]}:{places[array] + len(rows) * LANES}" for array, rows in sizes.items()}
-    body = loop_body(stage, LANES, work=places, indent=12).rstrip()
-    return HEADER.format(plant=machine.name, environment="machine", dtype="float64") + RUN.format(
-        size=end, lanes=LANES, state=spans["state"], param=spans["param"], joints=len(machine.joints), channels=len(machine.channels),
-        drive_at=places["drive"], seen_at=places["seen"], step=body,
+    lines, law = [], 0
+    for part in parts(machine):
+        work = places | {"memory": places["state"] + part.memory * LANES}
+        if part.sizes:
+            lines.append(f"            if used[b, {law}]:\n")
+            law += 1
+        lines.append(loop_body(part.stage, LANES, work=work, indent=16 if part.sizes else 12, operations=BRANCHLESS))
+    head = HEADER.format(plant=f"{len(machine.joints)} joints", environment="machine", dtype="float64")
+    return head + IMPORT + RUN.format(
+        size=end, lanes=LANES, joints=len(machine.joints), channels=len(machine.channels), step="".join(lines).rstrip(),
+        **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
 
 
 @lru_cache(maxsize=16)
 def module(machine: Machine) -> ModuleType:
     """The compiled module of a machine."""
-    return load_source(f"machine_{machine.name}", source(machine))
+    return load_source(f"machine_{len(machine.joints)}", source(machine))
+
+
+@lru_cache(maxsize=16)
+def _sizes(machine: Machine) -> np.ndarray:
+    """(rows, laws) 1 where a parameter row is a size of a law."""
+    laws = [part.sizes for part in parts(machine) if part.sizes]
+    found = np.zeros((len(machine.parameter_rows), len(laws)), int)
+    for law, rows in enumerate(laws):
+        found[list(rows), law] = 1
+    return found
+
+
+def used_laws(machine: Machine, param: np.ndarray) -> np.ndarray:
+    """(blocks, laws) which laws do something in some lane, of (blocks, rows * LANES) parameters; the kernel passes over the others."""
+    return (param.reshape(len(param), -1, LANES) != 0).any(2) @ _sizes(machine) > 0
 
 
 def simulate(
     machine: Machine, drives: np.ndarray, parameters: np.ndarray, *, step: float, substeps: int, mean: int = 1,
-    first: np.ndarray | None = None, start: np.ndarray | None = None, samples: int | None = None,
+    first: np.ndarray | None = None, start: np.ndarray | None = None, samples: int | None = None, every_law: bool = False,
 ) -> np.ndarray:  # fmt: skip
-    """Free runs of K lanes.
+    """Free runs of K lanes; 16 neighbours together take the time of all laws that any of them uses.
 
     Args:
         drives: (n, joints) drive at every step, U.
@@ -78,23 +102,27 @@ def simulate(
         first: (K,) index of the drive at which a lane starts; 0 if not given.
         start: (K, states) initial states as `machine.state_rows`; rest if not given.
         samples: readings wanted of each lane; as many as the drives last if not given.
+        every_law: works out laws of size zero too; the readings are the same.
 
     Returns:
         (K, readings, channels).
     """
     if samples is None:
         samples = len(drives) // (substeps * mean)
-    return _run(machine, drives, parameters, step, substeps, mean, first, start, samples)[0]
+    return _run(machine, drives, parameters, step, substeps, mean, first, start, samples, every_law)[0]
 
 
 def final_states(
     machine: Machine, drives: np.ndarray, parameters: np.ndarray, *, step: float, steps: int, first: np.ndarray, start: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """(K, states) after a number of steps of K lanes; arguments as for `simulate`."""
+    """(K, states) after a number of steps of K lanes; arguments as for `simulate`.
+
+    Internal states of a law of size zero mean nothing: they stay, or follow if another lane of the block uses the law.
+    """
     return _run(machine, drives, parameters, step, 1, 1, first, start, steps)[1]
 
 
-def _run(machine, drives, parameters, step, substeps, mean, first, start, samples) -> tuple[np.ndarray, np.ndarray]:
+def _run(machine, drives, parameters, step, substeps, mean, first, start, samples, every_law=False) -> tuple[np.ndarray, np.ndarray]:
     lanes = len(parameters)
     blocks = -(-lanes // LANES)
     param = _blocks(np.asarray(parameters, float), blocks)
@@ -103,10 +131,11 @@ def _run(machine, drives, parameters, step, substeps, mean, first, start, sample
     begin = np.zeros((lanes, len(machine.state_rows))) if start is None else np.asarray(start, float)
     at = np.zeros(blocks * LANES, np.int64)
     at[:lanes] = 0 if first is None else first
-    seen = np.empty((blocks, samples, len(machine.channels) * LANES))
+    seen = np.zeros((blocks, samples, len(machine.channels) * LANES))
     end = np.empty((blocks, len(machine.state_rows) * LANES))
+    used = used_laws(machine, param) | every_law
     module(machine).run(
-        np.ascontiguousarray(drives, float), at.reshape(blocks, LANES), _blocks(begin, blocks), param, substeps, mean, mean, seen, end
+        np.ascontiguousarray(drives, float), at.reshape(blocks, LANES), _blocks(begin, blocks), param, used, substeps, mean, seen, end
     )
     return _lanes(seen, samples, len(machine.channels), lanes), _lanes(end, 1, len(machine.state_rows), lanes)[:, 0]
 
@@ -118,6 +147,6 @@ def _lanes(x: np.ndarray, samples: int, width: int, lanes: int) -> np.ndarray:
 
 
 def _blocks(x: np.ndarray, blocks: int) -> np.ndarray:
-    """(lanes, rows) -> (blocks, rows * LANES), padded with the first lane."""
-    full = np.concatenate([x, np.repeat(x[:1], blocks * LANES - len(x), 0)])
+    """(lanes, rows) -> (blocks, rows * LANES), padded with the last lane."""
+    full = np.concatenate([x, np.repeat(x[-1:], blocks * LANES - len(x), 0)])
     return np.ascontiguousarray(full.reshape(blocks, LANES, -1).transpose(0, 2, 1)).reshape(blocks, -1)

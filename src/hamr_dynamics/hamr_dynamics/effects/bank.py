@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +18,7 @@ from .library import library
 CHANGES = {"gain": "1", "stiffness": "F/Q", "damping": "F*T/Q", "inertia": "F*T^2/Q", "preload": "F"}
 #: Kinds of forms that act inside a step, in the order in which they act.
 ACTS = ("drive", "force", "pair", "sense")
+Law = tuple[str, Form]  # effect name, one of its forms
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +29,13 @@ class Bank:
     acts: tuple[str, ...] = ACTS
 
     @property
-    def forms(self) -> list[tuple[str, Form]]:
+    def forms(self) -> list[Law]:
         """(effect name, form) in order of action."""
         acts = [kind for kind in self.acts if kind != "pair" or self.joints == 2]
         found = [(name, form) for name, effect in library().items() for form in effect.forms if form.acts in acts]
         return sorted(found, key=lambda item: item[1].order)
 
-    def of(self, *acts: str) -> list[tuple[str, Form]]:
+    def of(self, *acts: str) -> list[Law]:
         """Those of some kinds."""
         return [(name, form) for name, form in self.forms if form.acts in acts]
 
@@ -107,64 +107,88 @@ class Acting:
         self._bank, self._stage, self._new, self._param = bank, stage, new, param
         self._joints = range(bank.joints)
 
-    def change(self, name: str) -> tuple:
-        """(n,) of a re-tuned parameter."""
-        return tuple(self._stage.read("param", f"change.{name}.{j}") for j in self._joints)
-
     def drive(self, u: tuple, time, step) -> tuple:
         """(n,) drive that acts, of the commanded one."""
-        u = tuple(x + g * x for x, g in zip(u, self.change("gain"), strict=True))
-        for act in self._laws("drive"):
-            u = tuple(act(j, Input(u[j], u, j, time, step)) for j in self._joints)
+        u = self.gained(u)
+        for law in self._bank.of("drive"):
+            u = self.driven(law, u, time, step)
         return u
+
+    def gained(self, u: tuple) -> tuple:
+        """(n,) drive with the re-tuned gain."""
+        return tuple(x + g * x for x, g in zip(u, self._change("gain"), strict=True))
+
+    def driven(self, law: Law, u: tuple, time, step) -> tuple:
+        """(n,) drive as one law leaves it."""
+        return tuple(self._act(law, j, Input(u[j], u, j, time, step)) for j in self._joints)
 
     def push(self, equations: Equations, q: tuple, v: tuple, drive: tuple, stiffness: tuple, inertia: tuple, time, step) -> None:
         """Adds changes and effects to the equations; stiffness and inertia (n,) are the machine's own at rest, without changes."""
-        change = {name: self.change(name) for name in CHANGES}
+        at = self.around(q, v, drive, stiffness, inertia, step)
+        self.changed(equations, q, v)
+        for law in (*self._bank.of("force"), *self._bank.of("pair")):
+            self.pushed(law, equations, at, time)
+
+    def around(self, q: tuple, v: tuple, drive: tuple, stiffness: tuple, inertia: tuple, step) -> Pair:
+        """What forces see of all joints (two, or the only one); arguments as of `push`."""
+        change = self._changes()
         stiff = tuple(x + y for x, y in zip(stiffness, change["stiffness"], strict=True))
         heavy = tuple(x + y for x, y in zip(inertia, change["inertia"], strict=True))
+        return Pair(q, v, drive, stiff, heavy, step)
+
+    def changed(self, equations: Equations, q: tuple, v: tuple) -> None:
+        """Adds the re-tuned parameters."""
+        change = self._changes()
         for j in self._joints:
             k, d = change["stiffness"][j], change["damping"][j]
             equations.add(j, Push(change["preload"][j] - k * q[j] - d * v[j], k, d, change["inertia"][j]))
-        for act in self._laws("force"):
-            for j in self._joints:
-                equations.add(j, act(j, Joint(q[j], v[j], drive[j], stiff[j], heavy[j], time, step)))
-        for act in self._laws("pair"):
-            equations.add_pair(act(0, Pair(q, v, drive, stiff, heavy, step)))
+
+    def pushed(self, law: Law, equations: Equations, at: Pair, time) -> None:
+        """Adds one law, of forces at joints or of pairs."""
+        if law[1].acts == "pair":
+            equations.add_pair(self._act(law, 0, at))
+            return
+        for j in self._joints:
+            own = (x[j] for x in (at.q, at.v, at.drive, at.stiffness, at.inertia))
+            equations.add(j, self._act(law, j, Joint(*own, time, at.step)))
 
     def leg(self, leg):
         """A `leg.Leg` as forms that act on it leave it."""
-        for act in self._laws("leg"):
-            leg = act(0, leg)
+        for law in self._bank.of("leg"):
+            leg = self._act(law, 0, leg)
         return leg
 
     def tow(self, motion: Motion) -> tuple:
         """(3,) force on the chassis."""
         total = (0.0, 0.0, 0.0)
-        for act in self._laws("tow"):
-            total = add(total, act(0, motion))
+        for law in self._bank.of("tow"):
+            total = add(total, self._act(law, 0, motion))
         return total
 
     def sense(self, reading: tuple, step) -> tuple:
         """(n,) what the joints' sensors say."""
-        for act in self._laws("sense"):
-            reading = tuple(act(j, Signal(reading[j], step)) for j in self._joints)
+        for law in self._bank.of("sense"):
+            reading = self.sensed(law, reading, step)
         return reading
 
-    def _laws(self, acts: str) -> list[Callable]:
-        """Functions (place, view) -> answer; they read their parameters and states and write the states back."""
-        stage, new, param = self._stage, self._new, self._param
+    def sensed(self, law: Law, reading: tuple, step) -> tuple:
+        """(n,) readings as one law leaves them."""
+        return tuple(self._act(law, j, Signal(y, step)) for j, y in enumerate(reading))
 
-        def acting(name: str, form: Form) -> Callable:
-            def act(place: int, view):
-                p = {x.name: stage.read(param, f"{name}.{form.name}.{x.name}.{place}") for x in form.parameters}
-                rows = [f"{name}.{form.name}.z{i}.{place}" for i in range(form.states)]
-                answer, z = form.law(view, p, tuple(stage.read("state", row) for row in rows))
-                if new:
-                    for row, x in zip(rows, z, strict=True):
-                        stage.write(new, row, x)
-                return answer
+    def _changes(self) -> dict[str, tuple]:
+        return {name: self._change(name) for name in CHANGES}
 
-            return act
+    def _change(self, name: str) -> tuple:
+        """(n,) of a re-tuned parameter."""
+        return tuple(self._stage.read("param", f"change.{name}.{j}") for j in self._joints)
 
-        return [acting(name, form) for name, form in self._bank.of(acts)]
+    def _act(self, law: Law, place: int, view):
+        """What a law answers; it reads its parameters and states and writes the states back."""
+        stage, (name, form) = self._stage, law
+        p = {x.name: stage.read(self._param, f"{name}.{form.name}.{x.name}.{place}") for x in form.parameters}
+        rows = [f"{name}.{form.name}.z{i}.{place}" for i in range(form.states)]
+        answer, z = form.law(view, p, tuple(stage.read("state", row) for row in rows))
+        if self._new:
+            for row, x in zip(rows, z, strict=True):
+                stage.write(self._new, row, x)
+        return answer
