@@ -1,0 +1,137 @@
+"""Segments replayed, and starts that the model itself agrees with: each segment's own least squares about what smoothing says.
+
+A foot that starts a twentieth of a millimetre too deep is thrown up, which no linear step mends; so the horizon grows, and the first
+few milliseconds put the feet where they can be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .observe import Observed, observed
+from .robot import Robot
+from .segments import CHANGES, Segments, moved
+from .setting import ZEROS, Setting
+
+PROBE = 0.003  # of a start's standard deviation: little beside the depth to which feet sink
+GROWING = ((4.0, 4), (8.0, 3), (12.0, 3), (16.0, 2), (24.0, 2), (32.0, 2))  # ms of a segment, and rounds of steps on them
+DAMPINGS = (0.0, 0.03, 0.3, 3.0)  # shares of its curvature added to each direction
+ROUNDS = 6  # on whole segments
+#: What a zero of the sensors does to what smoothing says of a start.
+ZERO_OF_START = np.zeros((len(ZEROS), CHANGES))
+ZERO_OF_START[np.arange(len(ZEROS)), [2, 3, 4, *range(12, 20)]] = 1.0
+SETTLED = 0.5  # gain in half squares below which a segment is done
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Segments and a robot to replay them.
+
+    Attributes:
+        robot, segments, observed.
+    """
+
+    robot: Robot
+    segments: Segments
+    observed: Observed
+
+    @classmethod
+    def of(cls, robot: Robot, segments: Segments) -> Replay:
+        """With the readings of segments."""
+        return cls(robot, segments, observed(segments, robot.steps))
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+    def some(self, index: np.ndarray) -> Replay:
+        """Of a choice of segments."""
+        return Replay(self.robot, self.segments.some(index), self.observed.some(index))
+
+    def residual(self, change: np.ndarray, settings: Sequence[Setting], which: np.ndarray, segment: np.ndarray) -> np.ndarray:
+        """(n, readings + 28) in units of noise, of lanes: starts of segment[i] changed by (n, 28) standard deviations, under
+        settings[which[i]]; the last 28 are the smoothed start against this one."""
+        zeros = np.array([s.zeros for s in settings])[which]
+        starts = moved(self.segments.starts[segment], change * self.segments.sd)
+        runs = self.robot.run(starts, self.observed.drives, settings, which, segment)
+        own = -change - zeros @ (ZERO_OF_START / self.segments.sd)
+        return np.concatenate([self.observed.residual(starts, runs, zeros, segment), own], 1)
+
+    def each(self, change: np.ndarray, settings: Sequence[Setting]) -> np.ndarray:
+        """(m, s, readings + 28) of all segments under each of m settings."""
+        s, m = len(self), len(settings)
+        segment = np.tile(np.arange(s), m)
+        return self.residual(np.tile(change, (m, 1)), settings, np.repeat(np.arange(m), s), segment).reshape(m, s, -1)
+
+    def slopes(self, change: np.ndarray, residual: np.ndarray, model: Setting) -> np.ndarray:
+        """(s, readings + 28, 28) derivatives of what is predicted by changes of the start."""
+        s = len(self)
+        lanes = (change[:, None] + PROBE * np.eye(CHANGES)).reshape(-1, CHANGES)
+        probed = self.residual(lanes, [model], np.zeros(len(lanes), int), np.repeat(np.arange(s), CHANGES))
+        return ((residual[:, None] - probed.reshape(s, CHANGES, -1)) / PROBE).transpose(0, 2, 1)
+
+
+@dataclass(frozen=True)
+class Started:
+    """Starts of segments under one model.
+
+    Attributes:
+        change: (s, 28) from the smoothed ones, in standard deviations. residual: (s, readings + 28). cost: (s,) half squares.
+    """
+
+    change: np.ndarray
+    residual: np.ndarray
+    cost: np.ndarray
+
+
+def start(replay: Replay, model: Setting, change: np.ndarray | None = None) -> Started:
+    """Fits the starts of all segments: from the smoothed ones, with a growing horizon, or from earlier changes (s, 28)."""
+    if change is None:
+        change = np.zeros((len(replay), CHANGES))
+        for ms, rounds in GROWING:
+            samples = round(ms / replay.segments.walk.step)
+            if samples < replay.segments.samples:
+                short = Replay.of(replay.robot, replace(replay.segments, samples=samples))
+                change = _stepped(short, model, change, rounds).change
+    return _stepped(replay, model, change, ROUNDS)
+
+
+def _stepped(replay: Replay, model: Setting, change: np.ndarray, rounds: int) -> Started:
+    """Damped Gauss-Newton steps of every segment's start; those that have settled rest."""
+    return restart(replay, model, change, replay.each(change, [model])[0], rounds)
+
+
+def restart(replay: Replay, model: Setting, change: np.ndarray, residual: np.ndarray, rounds: int) -> Started:
+    """The same from starts whose residuals are known."""
+    every = np.arange(len(replay))
+    change, residual = change.copy(), residual.copy()
+    cost = half_squares(residual)
+    active = every
+    for _ in range(rounds):
+        part = replay.some(active)
+        slopes = part.slopes(change[active], residual[active], model)
+        hessian = np.einsum("sci,scj->sij", slopes, slopes, optimize=True)
+        gradient = np.einsum("sci,sc->si", slopes, residual[active])
+        diagonal = np.einsum("sii->si", hessian)[:, :, None] * np.eye(CHANGES)
+        tries = np.concatenate([change[active] + np.linalg.solve(hessian + d * diagonal, gradient[..., None])[..., 0] for d in DAMPINGS])
+        segment = np.tile(np.arange(len(active)), len(DAMPINGS))
+        left = part.residual(tries, [model], np.zeros(len(tries), int), segment)
+        costs = half_squares(left).reshape(len(DAMPINGS), -1)
+        best = np.argmin(costs, 0)
+        pick = best * len(active) + np.arange(len(active))
+        gain = cost[active] - costs[best, np.arange(len(active))]
+        better = gain > 0
+        where, pick = active[better], pick[better]
+        change[where], residual[where], cost[where] = tries[pick], left[pick], cost[where] - gain[better]
+        active = active[gain > np.maximum(SETTLED, 0.01 * cost[active])]
+        if not len(active):
+            break
+    return Started(change, residual, cost)
+
+
+def half_squares(residual: np.ndarray) -> np.ndarray:
+    """(n,) of (n, c); infinite where a run diverged."""
+    cost = 0.5 * np.sum(residual**2, 1)
+    return np.where(np.isfinite(cost), cost, np.inf)
