@@ -1,7 +1,7 @@
 """Compiled free runs of a machine: many lanes, each with parameters and effects of its own, under recorded drives.
 
-One kernel holds every law of the library, each in a loop over lanes of its own behind a flag: all of them would take five times as long
-as the machine alone, and a lane seldom uses more than three.
+One kernel holds every law of the library, each in a loop over lanes of its own behind a flag: all of them take two to seven times as
+long as the machine alone, and a lane seldom uses more than three.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The step of a machine in parts: its own equations, and every law of the bank by itself, so that a law that no lane uses can be left out.
 
-The step is the linearly implicit midpoint rule of `step`. Parts share nothing but rows of the arrays: what one works out again that
-another knew costs less than keeping it for a law that seldom runs.
+The step is the linearly implicit midpoint rule of `step`. Parts share nothing but rows of the arrays, so that any law can be missing.
 
 Arrays (rows x lanes); an output new_X lies on X, `memory` on a law's internal states in `state`:
     state  as `Machine.state_rows`;  param  as `Machine.parameter_rows`
