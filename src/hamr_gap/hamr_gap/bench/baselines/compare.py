@@ -56,7 +56,7 @@ def alarm(case: Scored) -> bool:
 
 def equal_threshold(nulls: Sequence[Scored], allowed: int) -> float:
     """The lowest threshold at which a method raises no more than so many false alarms."""
-    levels = sorted((case.result["path"][0]["level"] if case.result.get("path") else -np.inf for case in nulls), reverse=True)
+    levels = sorted((max((step["level"] for step in case.result.get("path", ())), default=-np.inf) for case in nulls), reverse=True)
     return float(np.nextafter(levels[allowed], np.inf)) if allowed < len(levels) else -np.inf
 
 

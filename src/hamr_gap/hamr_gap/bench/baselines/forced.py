@@ -10,28 +10,29 @@ from types import ModuleType
 
 import numpy as np
 
+from hamr_dynamics.branchless import BRANCHLESS, IMPORT
 from hamr_dynamics.driver import HEADER
 from hamr_dynamics.emit import loop_body
 from hamr_dynamics.kernels import load_source
-from hamr_dynamics.machine import Machine, step_stage
-from hamr_dynamics.machine_kernel import LANES
+from hamr_dynamics.machine import Machine
+from hamr_dynamics.machine_kernel import LANES, used_laws
+from hamr_dynamics.machine_stages import arrays, parts
 
 RUN = """
 
 @jit
-def run(drives, motion, param, substeps, mean, gained, seen):
+def run(drives, motion, param, used, substeps, mean, gained, seen):
     align_stack()
     work = aligned({size}, real)
     lanes = U({lanes})
     scale = real(1.0 / mean)
     for b in range(param.shape[0]):
-        work[{state}] = ZERO
-        work[{param}] = param[b]
-        gained[b] = ZERO
-        seen[b] = ZERO
+        work[:] = ZERO
+        for i in range(param.shape[1]):
+            work[U({param_at}) + U(i)] = param[b, i]
         for s in range(gained.shape[1] * mean):
             row = s // mean
-            for r in range({moving}):
+            for r in range(3 * {joints}):
                 for e in range(lanes):
                     work[U({state_at}) + U(r) * lanes + U(e)] = motion[s, r]
             for k in range(s * substeps, (s + 1) * substeps):
@@ -40,8 +41,8 @@ def run(drives, motion, param, substeps, mean, gained, seen):
                         work[U({drive_at}) + U(j) * lanes + U(e)] = drives[k, j]
 {step}
                 if k == s * substeps:
-                    for c in range({channels} * {lanes}):
-                        seen[b, row, c] += scale * work[U({seen_at}) + U(c)]
+                    for i in range({channels} * {lanes}):
+                        seen[b, row, i] += scale * work[U({seen_at}) + U(i)]
             for j in range({joints}):
                 for e in range(lanes):
                     at = U({joints} + j) * lanes + U(e)
@@ -64,29 +65,35 @@ def forced(
         (K, readings, joints) Q/T that the machine itself would have gained, and (K, readings, channels) mean readings.
     """
     readings, blocks = len(motion) // mean, -(-len(rows) // LANES)
-    padded = np.concatenate([rows, np.repeat(rows[:1], blocks * LANES - len(rows), 0)])
+    padded = np.concatenate([rows, np.repeat(rows[-1:], blocks * LANES - len(rows), 0)])
     padded[:, machine.parameter_rows.index("step")] = step
     param = np.ascontiguousarray(padded.reshape(blocks, LANES, -1).transpose(0, 2, 1)).reshape(blocks, -1)
-    gained, seen = (np.empty((blocks, readings, count * LANES)) for count in (len(machine.joints), len(machine.channels)))
-    _module(machine).run(np.ascontiguousarray(drives, float), np.ascontiguousarray(motion, float), param, substeps, mean, gained, seen)
+    gained, seen = (np.zeros((blocks, readings, count * LANES)) for count in (len(machine.joints), len(machine.channels)))
+    _module(machine).run(
+        np.ascontiguousarray(drives, float), np.ascontiguousarray(motion, float), param, used_laws(machine, param), substeps, mean,
+        gained, seen,
+    )  # fmt: skip
     by_lane = (x.reshape(blocks, readings, -1, LANES).transpose(0, 3, 1, 2) for x in (gained, seen))
     return tuple(x.reshape(blocks * LANES, readings, -1)[: len(rows)] for x in by_lane)
 
 
 @lru_cache(maxsize=4)
 def _module(machine: Machine) -> ModuleType:
-    stage, joints = step_stage(machine), len(machine.joints)
-    sizes = {"state": machine.state_rows, "drive": machine.joints, "param": machine.parameter_rows, "seen": machine.channels}
+    """The compiled module: the parts of a machine's step, each behind its flag, as in the kernel of free runs."""
     places, end = {}, 0
-    for array, names in sizes.items():
-        places[array] = end
+    for array, names in arrays(machine).items():
+        places[array] = places[f"new_{array}"] = end
         end += len(names) * LANES
-    spans = {array: f"{places[array]}:{places[array] + len(names) * LANES}" for array, names in sizes.items()}
-    body = loop_body(stage, LANES, work=places | {"new_state": places["state"]}, indent=16).rstrip()
-    return load_source(
-        f"forced_{machine.name}",
-        HEADER.format(plant=machine.name, environment="machine, forced", dtype="float64") + RUN.format(
-            size=end, lanes=LANES, state=spans["state"], param=spans["param"], joints=joints, moving=3 * joints, step=body,
-            channels=len(machine.channels), state_at=places["state"], drive_at=places["drive"], seen_at=places["seen"],
-        ),
+    lines, law = [], 0
+    for part in parts(machine):
+        work = places | {"memory": places["state"] + part.memory * LANES}
+        if part.sizes:
+            lines.append(f"                if used[b, {law}]:\n")
+            law += 1
+        lines.append(loop_body(part.stage, LANES, work=work, indent=20 if part.sizes else 16, operations=BRANCHLESS))
+    joints = len(machine.joints)
+    text = RUN.format(
+        size=end, lanes=LANES, joints=joints, channels=len(machine.channels), step="".join(lines).rstrip(),
+        **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
+    return load_source(f"forced_{joints}", HEADER.format(plant=f"{joints} joints", environment="forced", dtype="float64") + IMPORT + text)

@@ -19,6 +19,7 @@ from .forced import forced
 from .motion import WIDER, Motion, low_pass, motion_of
 
 BATCH = 64  # lanes at a time
+WILD = 50.0  # times the usual residual: where a re-tuned model meets a stop that the machine did not, one reading would outweigh all
 NUDGE = 1e-3  # of a parameter's prior, or of its scale where that is narrower
 
 
@@ -119,7 +120,8 @@ class Forces:
                 found[-1][:, c] = x
         late = self.sensed(np.gradient(base.run[:, :n], self.prepared.weighed.model.reading_step, axis=0))
         late[:, n:] = 0.0  # all sensors are late together
-        return np.stack([*found, _band(self.prepared, self.motion, late[None])[0]])
+        scaled = [self.sensed(base.run[:, :n] * (np.arange(n) == j)) for j in self.prepared.weighed.gains if j < n]
+        return np.stack([*found, *_band(self.prepared, self.motion, np.stack([late, *scaled]))])
 
     def noise(self) -> np.ndarray:
         """(outputs,) standard deviation that the sensors' noise leaves in the residual, from white noise sent the same way."""
@@ -148,8 +150,12 @@ def forces_of(prepared: Prepared) -> Forces:
     missing = np.diff(rate, axis=0) - gained[0]
     tips = motion.tips[: readings * mean].reshape(readings, mean, -1).mean(1)
     residual = np.hstack([np.linalg.solve(inverse, missing[..., None])[..., 0], tips - seen[0][:, n:]])
+    residual = _band(prepared, motion, residual[None])[0]
     known = motion.known[: readings * mean].reshape(readings, mean).all(1)
-    return Forces(prepared, motion, home, gained[0], seen[0], inverse, _band(prepared, motion, residual[None])[0], known)
+    size = np.abs(residual)
+    wild = (size > WILD * np.median(size[known], axis=0)).any(1)
+    about = np.convolve(wild, np.ones(2 * int(1.0 / (motion.cutoff * mean)) + 1), "same") > 0.5
+    return Forces(prepared, motion, home, gained[0], seen[0], inverse, residual, known & ~about)
 
 
 def levers(machine: Machine) -> np.ndarray:

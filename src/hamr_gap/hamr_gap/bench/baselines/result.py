@@ -21,7 +21,7 @@ class Step:
     """An answer that a method gives where its threshold is at most `level`; of several, the last.
 
     Attributes:
-        level: evidence, in the method's own measure; later steps of a path have less.
+        level: evidence, in the method's own measure.
         hypothesis: the model with it. named: False for a model without names.
     """
 
@@ -32,7 +32,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Path:
-    """All answers of a method to one record, by falling evidence, and its own threshold."""
+    """All answers of a method to one record, each with one effect more, and its own threshold."""
 
     steps: Sequence[Step]
     threshold: float

@@ -18,11 +18,12 @@ from ...prepare import Prepared
 from ...screen import Column, screen
 from .everything import single_places
 from .forces import Forces, forces_of
-from .result import Path, Step, falling, together
+from .result import Path, Step, together
 
 THRESHOLDS = np.geomspace(0.01, 1.0, 13)  # of the residual's rms that a column must make
 RIDGES = (1e-6, 1e-3, 1e-1)
 BLOCKS = 24  # of the readings that select
+SHARES = np.array([1.0, 0.3, 0.1, 0.03, 0.01])  # of the regression's sizes from which a fit may begin: the best is taken
 MOST = 8  # effects that are fitted together
 
 
@@ -53,7 +54,7 @@ def sindy(prepared: Prepared) -> Path:
     share = np.abs(coefficients) * np.linalg.norm(found.fit[:, :-1], axis=0)
     strongest = [max((k for k in alive if alive[k].name == name), key=share.__getitem__) for name in ranked[:MOST]]
     chosen = [together(alive[k] for k in strongest[: count + 1]) for count in range(len(strongest))]
-    steps = [Step(t, refit(prepared, found, coefficients, c)) for t, c in zip(falling(levels[:MOST]), chosen, strict=True)]
+    steps = [Step(t, refit(prepared, found, coefficients, c)) for t, c in zip(levels, chosen, strict=False)]
     return Path(steps, threshold=min((step.level for step in steps), default=0.0))
 
 
@@ -118,7 +119,7 @@ def sparse(found: Dictionary) -> np.ndarray:
         from pysindy import STLSQ
     except ImportError:
         raise ConfigError("Sparse regression needs PySINDy, which is not installed: pip install pysindy.") from None
-    q, r = np.linalg.qr(found.fit)  # the same least squares in as many rows as columns
+    r = np.linalg.qr(found.fit, mode="r")  # the same least squares in as many rows as columns
     size = np.linalg.norm(r, axis=0)
     usable = size[:-1] > 1e-9 * size.max()
     scaled = r[:, :-1][:, usable] / size[:-1][usable]
@@ -141,13 +142,20 @@ def refit(prepared: Prepared, found: Dictionary, coefficients: np.ndarray, effec
     """Effects fitted to the readings, from the regression's sizes and the shapes of its strongest columns."""
     base = prepared.base.fit
     added = effect_parameters(effects, prepared.weighed.model.scales)
+    sizes = {row for c in effects for row, _ in c.rows(shape=False)}
     begin = {}
     for k in np.argsort(np.abs(coefficients) * np.linalg.norm(found.fit[:, :-1], axis=0)):  # the strongest last
         if coefficients[k]:
             begin |= {found.columns[k].row: coefficients[k] * found.columns[k].size, **dict(found.columns[k].shapes)}
     x0 = [begin.get(f.row, f.center) for f in added]
     inside = [x if f.low < x < f.high else f.center or 1e-3 * f.sd for f, x in zip(added, x0, strict=True)]
-    return judge(prepared.weighed, prepared.judged, effects, fit(prepared.weighed, (*base.free, *added), np.concatenate([base.x, inside])))
+    weighed, free = prepared.weighed, (*base.free, *added)
+    trials = np.concatenate([np.tile(base.x, (len(SHARES), 1)), np.outer(SHARES, inside)], axis=1)
+    shapes = [f.row not in sizes for f in added]
+    trials[:, len(base.x) :][:, shapes] = np.array(inside)[shapes]
+    with np.errstate(over="ignore", invalid="ignore"):
+        costs = np.array([weighed.solve_sensors(run)[1] for run in weighed.model.runs(free, trials, weighed.until)])
+    return judge(weighed, prepared.judged, effects, fit(weighed, free, trials[np.argmin(np.where(np.isnan(costs), np.inf, costs))]))
 
 
 def _blocks(left: np.ndarray) -> np.ndarray:
