@@ -207,6 +207,8 @@ def test_a_baseline_is_compared_at_the_workflows_false_alarms():
     baseline = [case("single", 6.0, 5.0), case("single", 3.0, group_left=5.0), case("null", 4.0)]
     table = {row[0].split(",")[0]: row for row in rows(workflow, baseline)}
     assert table["exact name and place"][3].startswith("2 : 0")  # above 4.0 the first names two, the second none
+    best = [row for row in rows(workflow, baseline) if row[0].startswith("exact, best")][0]
+    assert best[3].startswith("0 : 0")  # each has a threshold at which the first name stands alone
     assert table["gap closed G"][1] == "0.900"
     assert closed(at_threshold(baseline[1], 5.0)) == 0.0
 

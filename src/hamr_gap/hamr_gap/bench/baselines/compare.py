@@ -69,6 +69,11 @@ def at_threshold(case: Scored, threshold: float) -> Scored:
     return replace(case, verdict=answer["verdict"], first=answers[0] if answers else None, answers=answers, result=case.result | answer)
 
 
+def somewhere(case: Scored) -> bool:
+    """Whether a baseline is exact at some threshold: no more can be had from its ranking, had it known when to stop."""
+    return any(at_threshold(case, step["level"]).exact for step in case.result.get("path", ()))
+
+
 def closed(case: Scored) -> float | None:
     """Share of the re-tuned gap that the answer closes on readings that nothing has used, zero where nothing is said; None where there is
     no gap to close."""
@@ -96,6 +101,7 @@ def rows(workflow: Sequence[Scored], baseline: Sequence[Scored]) -> list[tuple[s
         counted(f"false alarms, threshold {threshold:.4g}", [alarm(workflow[i]) for i in nulls], [alarm(equal[i]) for i in nulls]),
         counted("exact name and place", [workflow[i].exact for i in known], [equal[i].exact for i in known]),
         counted("exact, own threshold", [workflow[i].exact for i in known], [baseline[i].exact for i in known]),
+        counted("exact, best threshold of each case", [workflow[i].exact for i in known], [somewhere(baseline[i]) for i in known]),
         counted("known ones seen", [alarm(workflow[i]) for i in known], [alarm(equal[i]) for i in known]),
     ]
     if shares:
@@ -117,7 +123,7 @@ def compare(out: Path, *, cases: list[int], workflow: str = "verdicts", baseline
         if missing := [n for n in cases for f in (workflow, folder) if not (out / f / f"{n}.json").exists()]:
             raise ConfigError(f"There is no verdict of {workflow} or {folder} on case {missing[0]} in {out}: run it first.")
         first, second = ([scored(out, name, f) for name in cases] for f in (workflow, folder))
-        sys.stdout.write(f"\n| | {workflow} | {folder} | alone right, p |\n|---|---|---|---|\n")
+        sys.stdout.write(f"\n| | {workflow} | {folder} | alone, p |\n|---|---|---|---|\n")
         for row in rows(first, second):
             sys.stdout.write(f"| {' | '.join(row)} |\n")
 
