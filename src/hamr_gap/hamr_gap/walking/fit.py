@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..parameters import Free
-from .setting import Candidate, Setting, setting
+from .setting import ZEROS, Candidate, Setting, setting
 from .starts import Replay, half_squares, restart
 
 PROBE = 0.003  # of a parameter's prior, or of its scale where that is narrower
@@ -16,7 +16,7 @@ PROBE = 0.003  # of a parameter's prior, or of its scale where that is narrower
 TRIALS = (1.0, 0.5, 0.2)
 DAMPINGS = (0.0, 0.03, 1e3)  # of how starts follow: the last leaves them where they are
 BAD = 3.0  # times the usual cost of a segment, above which it counts less: contact may have gone another way
-TOLERANCE = 0.003  # relative decrease of cost at which a fit ends
+TOLERANCE = 0.01  # relative decrease of cost at which a fit ends
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,15 @@ def columns(replay: Replay, free: Sequence[Free], x: np.ndarray, effects: Sequen
     """(s, readings, P) derivatives of what is predicted by the free numbers."""
     step = PROBE * np.minimum([f.sd for f in free], 1.0)
     step = np.where(x + step > [f.high for f in free], -step, step)
-    probed = replay.each(change, [setting(free, x + d, effects) for d in np.diag(step)])
-    return ((residual - probed) / step[:, None, None]).transpose(1, 2, 0)
+    shown = [k for k, f in enumerate(free) if not f.row.startswith("zero.")]
+    probed = replay.each(change, [setting(free, x + step[k] * (np.arange(len(free)) == k), effects) for k in shown])
+    found = np.empty((*residual.shape, len(free)))
+    found[..., shown] = ((residual - probed) / step[shown, None, None]).transpose(1, 2, 0)
+    zeros = replay.zeros
+    for k, f in enumerate(free):
+        if f.row.startswith("zero."):  # these are linear, and simulated by nobody
+            found[..., k] = f.scale * zeros[..., ZEROS.index(f.row.removeprefix("zero."))]
+    return found
 
 
 def fit(
@@ -121,7 +128,7 @@ def fit(
         best = int(np.argmin(costs))
         at = ways[best * len(DAMPINGS)][0]
         pick = best * len(DAMPINGS) + suits[best], np.arange(s)
-        new = restart(replay, setting(free, at, effects), starts[pick], left[pick], 2)
+        new = restart(replay, setting(free, at, effects), starts[pick], left[pick], 1)
         fresh = float(weight @ new.cost) + prior_cost(at)
         if not fresh < cost:
             break

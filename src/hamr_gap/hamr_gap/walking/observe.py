@@ -61,6 +61,17 @@ class Observed:
         return np.concatenate([angles.reshape(n, -1), poses.reshape(n, -1)], 1)
 
     @property
+    def zeros(self) -> np.ndarray:
+        """(s, readings, 11) derivatives of what is predicted by the sensors' zeros (height, roll, pitch, angles)."""
+        s, g = self.angles.shape[:2]
+        angles = np.zeros((s, g, 8, 11))
+        angles[..., 3:] = np.diag(1.0 / self.noise.angle)
+        poses = np.zeros((s, self.at.shape[1], 6, 11))
+        poses[:, :, 2, 0], poses[:, :, 3, 1], poses[:, :, 4, 2] = 1.0 / self.noise.position[2], *(1.0 / self.noise.turn[:2])
+        poses *= self.there[..., None, None]
+        return np.concatenate([angles.reshape(s, -1, 11), poses.reshape(s, -1, 11)], 1)
+
+    @property
     def angle_readings(self) -> int:
         """How many of the readings are angles; they come first."""
         return 8 * self.angles.shape[1]

@@ -58,8 +58,7 @@ def segments(walk: Walk, *, length_ms: float, every_ms: float) -> Segments:
         BagError: the walk is too short.
     """
     samples, near = round(length_ms / walk.step), round(NEAR_MS / walk.step)
-    last = len(walk.angles) - samples - 1
-    poses = [i for i in range(POSES, len(walk.seen) - POSES) if near <= walk.seen[i] <= min(last, len(walk.angles) - near - 1)]
+    poses = [i for i in range(POSES, len(walk.seen) - POSES) if _whole(walk, i, near, samples)]
     chosen: list[int] = []
     for i in poses:
         if not chosen or (walk.seen[i] - walk.seen[chosen[-1]]) * walk.step >= every_ms - 1e-9:
@@ -72,6 +71,14 @@ def segments(walk: Walk, *, length_ms: float, every_ms: float) -> Segments:
     narrow, _ = _smoothed(walk, index, near // 2, POSES)
     moves = np.hypot(_apart(wide, starts).std(0), _apart(narrow, starts).std(0))  # how much the choice of neighbours matters
     return Segments(walk, walk.seen[index], samples, starts, LOOSE * np.hypot(noise, moves))
+
+
+def _whole(walk: Walk, i: int, near: int, samples: int) -> bool:
+    """Whether a segment from pose i, with all that smoothing needs, was recorded without a break."""
+    window = walk.seen[i - POSES : i + POSES + 1]
+    first, last = min(int(window[0]), walk.seen[i] - near), max(int(window[-1]), walk.seen[i] + max(near, samples))
+    dense = np.diff(window).max() < 1.5 * np.median(np.diff(walk.seen))
+    return dense and first >= 0 and last < len(walk.angles) and not any(first < b <= last for b in walk.breaks)
 
 
 def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:

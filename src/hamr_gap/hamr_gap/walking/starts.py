@@ -65,6 +65,13 @@ class Replay:
         segment = np.tile(np.arange(s), m)
         return self.residual(np.tile(change, (m, 1)), settings, np.repeat(np.arange(m), s), segment).reshape(m, s, -1)
 
+    @property
+    def zeros(self) -> np.ndarray:
+        """(s, readings + 28, 11) derivatives of what is predicted by the sensors' zeros."""
+        seen = self.observed.zeros
+        own = np.broadcast_to((ZERO_OF_START / self.segments.sd).T, (len(self), CHANGES, len(ZEROS)))
+        return np.concatenate([seen, own], 1)
+
     def slopes(self, change: np.ndarray, residual: np.ndarray, model: Setting) -> np.ndarray:
         """(s, readings + 28, 28) derivatives of what is predicted by changes of the start."""
         s = len(self)

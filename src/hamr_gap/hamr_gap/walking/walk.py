@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,7 +21,7 @@ class Walk:
     Attributes:
         voltages: (n * k, 8) V, k for each sample. angles: (n, 8) rad. step: ms between samples.
         seen: (m,) samples at which the chassis was seen, rising. position: (m, 3) mm in the world.
-        quaternion: (m, 4) wxyz, without jumps of sign.
+        quaternion: (m, 4) wxyz. breaks: samples at which a new stretch begins, recorded at another time.
     """
 
     voltages: np.ndarray
@@ -29,6 +30,7 @@ class Walk:
     seen: np.ndarray
     position: np.ndarray
     quaternion: np.ndarray
+    breaks: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.angles).all():
@@ -39,7 +41,8 @@ class Walk:
     @cached_property
     def record(self) -> Record:
         """Drives and angles as the rest of the workflow has them."""
-        return Record(self.voltages, self.angles, self.step, JOINTS, rest=False, drives_per_reading=len(self.voltages) // len(self.angles))
+        per = len(self.voltages) // len(self.angles)
+        return Record(self.voltages, self.angles, self.step, JOINTS, rest=False, drives_per_reading=per, breaks=self.breaks)
 
     @property
     def turns(self) -> np.ndarray:
@@ -49,9 +52,24 @@ class Walk:
     @cached_property
     def noise(self) -> Noise:
         """Of the sensors, from differences of high order."""
-        # what turning adds is slow; increments have the noise of two poses
-        path = np.cumsum(np.vstack([np.zeros(3), self.turns]), axis=0)
+        path = np.cumsum(np.vstack([np.zeros(3), self.turns]), axis=0)  # smooth but for the noise of each pose
         return Noise(noise_of(self.angles), noise_of(self.position), noise_of(path))
+
+
+def joined(walks: Sequence[Walk]) -> Walk:
+    """Several walks of one robot as one, in stretches.
+
+    Raises:
+        BagError: they differ in their sample times.
+    """
+    first = walks[0]
+    if not all(np.isclose(w.step, first.step, rtol=1e-4) and len(w.voltages) * len(first.angles) == len(first.voltages) * len(w.angles) for w in walks):
+        raise BagError("Bags of one robot must have the same sample rates: resample them or leave one out.")
+    begins = np.cumsum([0, *(len(w.angles) for w in walks)])
+    breaks = tuple(int(b + begin) for w, begin in zip(walks, begins, strict=False) for b in (0, *w.breaks) if b + begin)
+    whole = {name: np.concatenate([getattr(w, name) for w in walks]) for name in ("voltages", "angles", "position", "quaternion")}
+    seen = np.concatenate([w.seen + begin for w, begin in zip(walks, begins, strict=False)])
+    return Walk(**whole, step=first.step, seen=seen, breaks=breaks)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,162 @@
+"""The walking study's parts: turns, smoothed starts, and friction hidden in MuJoCo that a fit on segments finds."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from hamr_bags.as_measured import NOISE, strokes
+from hamr_bags.excitation import excitation
+from hamr_description.errors import BagError
+from hamr_description.names import JOINTS, Topic
+from hamr_description.numbers import value
+from hamr_gap.walking.fit import fit
+from hamr_gap.walking.robot import NUMERICS, Robot
+from hamr_gap.walking.search import TURN_MS, TURNS, roles, trimmed
+from hamr_gap.walking.segments import CHANGES, moved, segments
+from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retune, setting
+from hamr_gap.walking.starts import Replay, start
+from hamr_gap.walking.walk import Walk, joined, product, turn_between, turned
+
+SECONDS, HIDDEN = 1.2, 0.6  # of the model's friction
+STEP = 0.25  # ms
+
+
+@cache
+def walks() -> dict[str, tuple[Walk, np.ndarray]]:
+    """A trot in MuJoCo on the model's ground and on a slippery one: what was measured, and the true states at each pose."""
+    from hamr_sim_residual.mujoco_simple import simple_engine
+
+    volts = excitation("trot", seconds=SECONDS, frequency_hz=16.0, amplitude=40.0).voltages
+    found = {}
+    for name, friction in (("same", None), ("slippery", HIDDEN * value("contact.friction"))):
+        engine, states, angles = simple_engine(friction=friction), [], []
+        for k, v in enumerate(volts):
+            order = [engine.model.joint(joint).dofadr[0] - 6 for joint in JOINTS]
+            q, rates = engine.data.qpos[7:], engine.data.qvel[6:]
+            if k % 5 == 0:
+                angles.append(q[order].copy())
+            if k % 80 == 0:
+                states.append(np.concatenate([engine.data.qpos[:7], engine.data.qvel[:6], q[order], rates[order]]))
+            engine.substep(v)
+        found[name] = _measured(volts[::5], np.array(angles), np.array(states)), np.array(states)
+    return found
+
+
+def _measured(volts: np.ndarray, angles: np.ndarray, states: np.ndarray) -> Walk:
+    rng = np.random.default_rng(1)
+    n, encoder = len(states), NOISE * strokes()[Topic.SERVO_JOINTS]
+    quaternion = turned(states[:, 3:7], rng.normal(0, 2e-3, (n, 3)))
+    position = states[:, :3] + rng.normal(0, 0.05, (n, 3))
+    return Walk(volts, angles + rng.normal(0, encoder, angles.shape), STEP, 16 * np.arange(n), position, quaternion)
+
+
+@given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6))
+def test_turns_are_those_of_rotations(numbers):
+    a, b = np.array(numbers[:3]), np.array(numbers[3:])
+    start_, end = turned(np.array([1.0, 0, 0, 0]), a), turned(turned(np.array([1.0, 0, 0, 0]), a), b)
+    true = Rotation.from_rotvec(a) * Rotation.from_rotvec(b)
+    assert np.allclose(Rotation.from_quat(np.roll(end, -1)).as_matrix(), true.as_matrix(), atol=1e-12)
+    assert np.allclose(turn_between(start_, end), b, atol=1e-12)
+    assert np.allclose(product(start_, start_ * [1, -1, -1, -1]), [1, 0, 0, 0], atol=1e-12)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 1000))
+def test_starts_of_smooth_motion_are_exact(seed):
+    """A polynomial of the degree that is fitted comes back with its slopes, whatever the poses' times."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(2000) * STEP
+    slow = rng.normal(0, 1e-3, (2, 3, 3))
+    path = sum(slow[0, k] * (t[::16, None] - 250.0) ** k / 100.0 ** max(0, k - 1) for k in range(3))
+    spin = np.array([0.0, 0.0, 2e-4])
+    quaternion = turned(np.array([1.0, 0, 0, 0]), spin * t[::16, None])
+    angles = np.sin(t[:, None] / 300.0 + np.arange(8)) * 0.1
+    walk = Walk(np.full((2000, 8), 112.5), angles, STEP, np.arange(0, 2000, 16), path, quaternion)
+    found = segments(walk, length_ms=20.0, every_ms=20.0)
+    at = found.first * STEP
+    assert np.allclose(found.starts[:, 0:3], path[found.first // 16], atol=1e-9)
+    velocity = slow[0, 1] + 2 * slow[0, 2] * (at[:, None] - 250.0) / 100.0
+    assert np.allclose(found.starts[:, 7:10], velocity, atol=1e-9)
+    assert np.allclose(found.starts[:, 10:13], spin, atol=1e-9)
+    assert np.allclose(found.starts[:, 21:29], np.cos(at[:, None] / 300.0 + np.arange(8)) * 0.1 / 300.0, rtol=1e-4, atol=1e-9)
+
+
+def test_no_segment_bridges_a_break_or_lost_poses():
+    walk, _ = walks()["same"]
+    two = joined([walk, walk])
+    found = segments(two, length_ms=20.0, every_ms=20.0)
+    seam = len(walk.angles)
+    assert not ((found.first < seam) & (found.first + found.samples >= seam)).any()
+    gap = Walk(walk.voltages, walk.angles, STEP, np.delete(walk.seen, slice(100, 110)), np.delete(walk.position, slice(100, 110), 0),
+               np.delete(walk.quaternion, slice(100, 110), 0))  # fmt: skip
+    first = segments(gap, length_ms=20.0, every_ms=20.0).first
+    assert not ((first > 16 * 97) & (first < 16 * 112)).any()
+
+
+def test_roles_never_share_a_turn_and_short_walks_are_refused():
+    walk, _ = walks()["same"]
+    whole = segments(joined([walk] * 8), length_ms=40.0, every_ms=40.0)
+    part = roles(whole)
+    turn = {role: set((whole.first[index] - whole.first[0]) * STEP // TURN_MS) for role, index in part.items()}
+    assert set(turn) == set(TURNS)
+    assert not any(turn[a] & turn[b] for a in turn for b in turn if a != b)
+    with pytest.raises(BagError, match="record 4 s or more"):
+        roles(segments(walk, length_ms=40.0, every_ms=40.0))
+
+
+def test_a_walk_without_poses_or_with_lost_angles_is_refused():
+    walk, _ = walks()["same"]
+    with pytest.raises(BagError, match="hardly ever seen"):
+        Walk(walk.voltages, walk.angles, STEP, walk.seen[:1], walk.position[:1], walk.quaternion[:1])
+    with pytest.raises(BagError, match="were lost"):
+        Walk(walk.voltages, np.where(walk.angles == walk.angles[5], np.nan, walk.angles), STEP, walk.seen, walk.position, walk.quaternion)
+
+
+def test_fitted_starts_predict_to_the_noise_where_smoothed_ones_do_not():
+    """Same ground: what fitted starts leave is what true starts leave, and a small part of what smoothed ones do."""
+    walk, states = walks()["same"]
+    chosen = segments(walk, length_ms=20.0, every_ms=40.0)
+    replay = Replay.of(Robot("simple", NUMERICS[1]), chosen)
+    smoothed = replay.each(np.zeros((len(chosen), CHANGES)), [Setting()])[0][:, :-CHANGES]
+    fitted = start(replay, Setting()).residual[:, :-CHANGES]
+    true = states[chosen.first // 16]
+    runs = replay.robot.run(true, replay.observed.drives, [Setting()], np.zeros(len(chosen), int), np.arange(len(chosen)))
+    from_true = replay.observed.residual(true, runs, np.zeros((len(chosen), 11)), np.arange(len(chosen)))
+    assert trimmed(fitted)[0] < 0.1 * trimmed(smoothed)[0]
+    assert trimmed(fitted)[0] < 1.2 * trimmed(from_true)[0]
+    assert trimmed(fitted)[0] < 6.0  # of means over 1 ms: an angle is a noise or so off
+
+
+def test_friction_hidden_in_mujoco_is_found_on_segments():
+    walk, _ = walks()["slippery"]
+    replay = Replay.of(Robot("simple", NUMERICS[1]), segments(walk, length_ms=40.0, every_ms=60.0))
+    begun = start(replay, Setting())
+    candidate = Candidate("ground_friction", "factor", "all")
+    free = effect_parameters([candidate])
+    found = fit(replay, free, np.array([-0.1]), [candidate], begun.change)
+    again = fit(replay, free, found.x, [candidate], start(replay, found.model).change)
+    before, after = (trimmed(x[:, :-CHANGES])[0] for x in (begun.residual, again.residual))
+    assert abs(1.0 + again.x[0] - HIDDEN) < 0.05
+    assert after < 0.1 * before
+
+
+def test_settings_carry_every_free_number_once():
+    candidate = Candidate("coulomb_friction", "sign", "swing")
+    rest = {"stiffness": (0.5, 0.6), "damping": (0.03, 0.04), "inertia": (1.0, 2.0)}
+    free = [*retune(rest), *effect_parameters([candidate])]
+    x = np.arange(1, len(free) + 1) * 1e-3
+    model = setting(free, x, [candidate])
+    values = dict(zip((f.row for f in free), x, strict=True))
+    assert model.shift == pytest.approx(0.25 * values["shift"])
+    assert model.zeros[0] == pytest.approx(0.2 * values["zero.height"])
+    changes = {(c.change, c.joints[0].split("_")[1]): c.value for c in model.effects.changes}
+    assert changes["stiffness", "lift"] == pytest.approx(0.6e-3 * values["change.stiffness.lift"])
+    assert changes["gain", "swing"] == pytest.approx(values["change.gain.swing"])
+    assert len(model.effects.changes) == 10
+    assert model.effects.effects[0].joints == ("fl_swing", "rl_swing", "fr_swing", "rr_swing")
