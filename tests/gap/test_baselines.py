@@ -16,13 +16,14 @@ from hamr_dynamics.machine import linear_machine
 from hamr_gap.bench.baselines import everything, residual_network, sindy, stepwise
 from hamr_gap.bench.baselines.compare import Pairs, at_threshold, closed, equal_threshold, rows
 from hamr_gap.bench.baselines.forces import forces_of
-from hamr_gap.bench.baselines.motion import low_pass
+from hamr_gap.bench.baselines.motion import low_pass, unread
 from hamr_gap.bench.baselines.result import at, result, together
 from hamr_gap.bench.baselines.run import baselines, solved
 from hamr_gap.bench.score import Scored
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
+from hamr_gap.weighed import Sensors
 
 STEP, COUNT, FINER = 1e-3, 6000, 4
 STIFFNESS, DAMPING, GAIN = (2 * np.pi * 20.0) ** 2, 12.0, 1000.0
@@ -104,6 +105,13 @@ def test_the_residual_force_is_the_springs(bent):
     error = (forces.residual - expected)[forces.known]
     assert error.std() < 1.2 * forces.noise()[0]
     assert expected[forces.known].std() > forces.noise()[0]
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.4 * STEP, 3.0 * STEP])
+def test_what_sensors_make_of_a_motion_is_undone(shift):
+    sensors = Sensors(np.array([0.3]), np.array([-0.2]), shift)
+    motion = angles(0.0)[:, None]
+    np.testing.assert_allclose(unread(sensors, sensors.read(motion, STEP), STEP)[200:-200], motion[200:-200], atol=1e-3 * motion.std())
 
 
 def test_sparse_regression_finds_the_spring_in_clean_readings():

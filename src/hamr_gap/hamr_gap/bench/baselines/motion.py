@@ -12,6 +12,7 @@ from hamr_description.errors import BagError
 
 from ...prepare import Prepared
 from ...record import noise_of
+from ...weighed import Sensors
 
 ORDER = 4  # of the filter, run forth and back
 CUTOFFS = np.geomspace(0.003, 0.2, 25)  # per sample
@@ -52,9 +53,20 @@ def motion_of(prepared: Prepared) -> Motion:
     cutoff = max(cutoff_of(x, sigma) for x, sigma in zip(whole[:, :n].T, noise_of(record.readings)[:n], strict=True))
     smooth = low_pass(whole, min(WIDER * cutoff, 0.45))
     time = np.arange(len(whole)) * record.step
-    curve = CubicSpline(time, (smooth - sensors.bias) / (1.0 + sensors.gain))
-    found = [curve(np.clip(time + sensors.shift, 0.0, time[-1]), order) for order in range(3)]
+    curve = CubicSpline(time, unread(sensors, smooth, record.step))
+    found = [curve(time, order) for order in range(3)]
     return Motion(np.hstack([x[:, :n] for x in found]), found[0][:, n:], cutoff, ~_about(gaps, cutoff))
+
+
+def unread(sensors: Sensors, readings: np.ndarray, step: float) -> np.ndarray:
+    """(n, channels) motion that sensors would have read so: their answer to an impulse, undone frequency by frequency."""
+    n = 2 * len(readings)
+    impulse = np.zeros((n, readings.shape[1]))
+    impulse[n // 2] = 1.0
+    answer = np.fft.rfft(np.roll(sensors.read(impulse, step) - sensors.bias, -(n // 2), axis=0), axis=0)
+    centred = readings - sensors.bias
+    mirrored = np.concatenate([centred, centred[::-1]])  # no jump from the end to the beginning
+    return np.fft.irfft(np.fft.rfft(mirrored, axis=0) / answer, n, axis=0)[: len(readings)]
 
 
 def cutoff_of(x: np.ndarray, sigma: float) -> float:

@@ -52,8 +52,9 @@ def network(prepared: Prepared, *, seed: int = 0) -> Path:
     inputs = seen[mean // 2 :: mean][: len(forces.residual)]
     run = simulated(prepared, train(inputs, forces.residual[:, :n], forces.fits, forces.judges, seed=seed))
     model = prepared.weighed.model
-    reading = prepared.base.fit.sensors.read(run, model.reading_step, model.starts)
-    found = judge(prepared.weighed, prepared.judged, (), replace(prepared.base.fit, run=run, reading=reading))
+    sensors = prepared.weighed.sensors(prepared.weighed.solve_sensors(run)[0])
+    reading = sensors.read(run, model.reading_step, model.starts)
+    found = judge(prepared.weighed, prepared.judged, (), replace(prepared.base.fit, sensors=sensors, run=run, reading=reading))
     return Path([Step(better(prepared.base.blocks, found.blocks), found, named=False)], threshold=0.0)
 
 
