@@ -64,20 +64,18 @@ def effect(law: Law, random: np.random.Generator, place: tuple[int, ...] | None 
 
 def hidden(case: Case, effects: tuple[Effect, ...]) -> Case | None:
     """The case with effects scaled each to its strength; None if that fails, or the company swallows one."""
-    sizer, sized, reached = Sizer(case), [], []
+    sizer, sized = Sizer(case), []
     for one in effects:
         if (found := sizer.sized(one)) is None:
             return None
-        sized.append(found[0])
-        reached.append(found[1])
-    step = min(LAWS[one.law].step for one in sized)
+        sized.append(found)
+    reached = (sized[0].fit.gap,)
     if len(sized) > 1:
-        together = tuple(sized)
-        alone = [sizer.strength(together, of=(one,), step=step, steps=1) for one in sized]
-        if min(alone) < 0.5 * case.strength:
+        reached = sizer.together(sized)
+        if min(reached[1:]) < 0.5 * case.strength:
             return None
-        reached = [sizer.strength(together, step=step), *alone]
-    return replace(case, effects=tuple(sized), reached=tuple(reached), step=step)
+    found = tuple(one.effect for one in sized)
+    return replace(case, effects=found, reached=reached, step=min(LAWS[one.law].step for one in found))
 
 
 def _parameter(low: float, high: float, random: np.random.Generator, may_leave: bool) -> float:

@@ -19,11 +19,15 @@ FAR = 3.0  # rad; beyond, a run counts as diverged
 
 @cache
 def step_address() -> int:
-    """Address of mj_step in the installed library."""
+    """Address of mj_step in the installed library, whose clock is stopped.
+
+    MuJoCo's Python module has every part of a step timed for a profiler that nobody reads here: half of what a leg's step takes.
+    """
     version = mujoco.mj_versionString()
     names = (f"libmujoco.so.{version}", f"libmujoco.{version}.dylib", "mujoco.dll")
     folder = Path(mujoco.__file__).parent
     library = ctypes.CDLL(str(next(path for path in map(folder.joinpath, names) if path.exists())))
+    ctypes.c_void_p.in_dll(library, "mjcb_time").value = None
     return ctypes.cast(library.mj_step, ctypes.c_void_p).value
 
 

@@ -124,8 +124,8 @@ def _model(series: tuple[int, ...], coupling: int) -> mujoco.MjModel:
         for motor in [actuator for actuator in spec.actuators if actuator.name.startswith(other)]:
             spec.delete(motor)
         spec.delete(spec.body(f"{other}_leg"))
-    for geom in list(spec.geoms):
-        spec.delete(geom)
+    for part in (*spec.geoms, *spec.sites, *spec.cameras, *spec.lights):
+        spec.delete(part)
     for flag in _OFF:
         spec.option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
     for i in series:

@@ -52,10 +52,13 @@ def play(effects: Sequence[Effect], changes: Mapping[str, float], signal: Mappin
 
 
 def rough(changes: Mapping[str, float], signal: Mapping) -> tuple[np.ndarray, np.ndarray]:
-    """Hip angles (n, 2) rad and tips (n, 2) mm of the leg without effects at 4 kHz, one step a sample; sensors' changes apart."""
+    """Hip angles (n, 2) rad and tips (n, 2) mm of the leg without effects at 4 kHz, two steps a sample; sensors' changes apart.
+
+    With one step a sample the end stops, where a run hits them, turn the differences between two such runs to nothing like the true ones.
+    """
     hold = EVERY * SERVO_MS
     volts = commands(**signal)
-    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), hold, hold)
+    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), hold / 2, hold)
 
 
 @lru_cache(maxsize=4)
