@@ -18,7 +18,7 @@ from hamr_description.numbers import value
 from hamr_gap.walking.fit import fit
 from hamr_gap.walking.robot import NUMERICS, Robot
 from hamr_gap.walking.search import TURN_MS, TURNS, roles, trimmed
-from hamr_gap.walking.segments import CHANGES, moved, segments
+from hamr_gap.walking.segments import CHANGES, segments
 from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retune, setting
 from hamr_gap.walking.starts import Replay, start
 from hamr_gap.walking.walk import Walk, joined, product, turn_between, turned

@@ -44,7 +44,9 @@ def _walk(recording: Recording, piece: slice) -> Walk:
     inside = np.flatnonzero((at >= 0) & (at < len(time)))
     inside = inside[np.unique(at[inside], return_index=True)[1]]
     if len(inside) < 2:
-        raise BagError(f"{Topic.ODOM} has no pose of the chassis between {time[0]:.2f} and {time[-1]:.2f} s; record it along with the joints.")
+        raise BagError(
+            f"{Topic.ODOM} has no pose of the chassis between {time[0]:.2f} and {time[-1]:.2f} s; record it along with the joints."
+        )
     quaternion = quaternion_from_ros(pose.quaternion[inside])
     return Walk(recording.voltages[piece], recording.angles[piece], time_from_si(1.0 / hz), at[inside],
                 length_from_si(pose.position[inside]), quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True))  # fmt: skip

@@ -75,7 +75,9 @@ def weights(residual: np.ndarray) -> np.ndarray:
     return np.minimum(1.0, BAD * np.median(cost) / cost)
 
 
-def columns(replay: Replay, free: Sequence[Free], x: np.ndarray, effects: Sequence[Candidate], change: np.ndarray, residual: np.ndarray) -> np.ndarray:
+def columns(
+    replay: Replay, free: Sequence[Free], x: np.ndarray, effects: Sequence[Candidate], change: np.ndarray, residual: np.ndarray
+) -> np.ndarray:
     """(s, readings, P) derivatives of what is predicted by the free numbers."""
     step = PROBE * np.minimum([f.sd for f in free], 1.0)
     step = np.where(x + step > [f.high for f in free], -step, step)
@@ -90,9 +92,7 @@ def columns(replay: Replay, free: Sequence[Free], x: np.ndarray, effects: Sequen
     return found
 
 
-def fit(
-    replay: Replay, free: Sequence[Free], x0: np.ndarray, effects: Sequence[Candidate], change: np.ndarray, *, rounds: int = 8
-) -> Fit:
+def fit(replay: Replay, free: Sequence[Free], x0: np.ndarray, effects: Sequence[Candidate], change: np.ndarray, *, rounds: int = 8) -> Fit:
     """Fits shared numbers (P,) from x0 strictly inside their bounds, and starts (s, 28) from `change`."""
     low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
     x = np.clip(x0, low, high)
@@ -124,7 +124,9 @@ def fit(
         # each segment takes the damping that suits it
         each = half_squares(left.reshape(m * s, -1)).reshape(len(TRIALS), len(DAMPINGS), s)
         suits = np.argmin(each, 1)  # trials, s
-        costs = [float(weight @ np.minimum(e.min(0), 1e12)) + prior_cost(at) for e, (at, _) in zip(each, ways[:: len(DAMPINGS)], strict=True)]
+        costs = [
+            float(weight @ np.minimum(e.min(0), 1e12)) + prior_cost(at) for e, (at, _) in zip(each, ways[:: len(DAMPINGS)], strict=True)
+        ]
         best = int(np.argmin(costs))
         at = ways[best * len(DAMPINGS)][0]
         pick = best * len(DAMPINGS) + suits[best], np.arange(s)

@@ -14,7 +14,7 @@ from hamr_dynamics.effects.effects_file import EffectsFile, parse
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.effects.si import si_factor, si_unit
 
-from ..analyse import CONFIRMED, SIGNIFICANT, SMALLEST
+from ..analyse import CONFIRMED, SIGNIFICANT
 from ..found import STATES, Found
 from ..interval import NORMAL_95, correlation_time
 from ..parameters import Free
@@ -48,16 +48,14 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
     report("verdict")
     readings = len(state.parts["select"]) * state.parts["select"].observed.readings
     weights = weigh(state, readings)
-    mean = state.parts["fit"].observed.mean
-    least = max(mean * SMALLEST**2, (0.5 * state.numerical) ** 2)
     chosen: list[Weight] = []
     best = state.base
     sure = evidence(state)
-    if state.base.left - state.best.left > least and sure[0] > SIGNIFICANT and sure[1] > CONFIRMED:
+    if state.base.left - state.best.left > state.least and sure[0] > SIGNIFICANT and sure[1] > CONFIRMED:
         chosen = credible(weights)
         best = chosen[0].hypothesis or state.base
         word = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
-    elif better(state.raw.blocks, state.base.blocks) > SIGNIFICANT and state.raw.left - state.base.left > least:
+    elif better(state.raw.blocks, state.base.blocks) > SIGNIFICANT and state.raw.left - state.base.left > state.least:
         word = "parameters_only"
     else:
         word = "no_significant_gap"
@@ -66,10 +64,11 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
         else Answer((), w.probability, w.left) for w in chosen
     )  # fmt: skip
     observed = state.parts["select"].observed
+    silent = {name: why for name in library() if (why := missing(name)) and why != "it is no name"}
     verdict = Verdict(
         machine=ROBOT, joints=JOINTS, verdict=word, set=answers, parameters=_changes(state, best), gap=_gap(state, best),
-        where=tuple(_where(observed, _residual(state, state.base.fit.model))), not_observable={n: why for n in library() if (why := missing(n)) and why != "it is no name"},
-        detectable={}, experiment=None, notes=NOTES,
+        where=tuple(_where(observed, _residual(state, state.base.fit.model))), not_observable=silent, detectable={}, experiment=None,
+        notes=NOTES,
     )  # fmt: skip
     added = answers[0].effects if word in ("named", "ambiguous") and answers else ()
     content = json.loads(json.dumps(asdict(verdict) | {"added": [asdict(e) for e in added]}))
@@ -184,7 +183,10 @@ def _forms(state: Search, answer: Hypothesis) -> dict[str, float]:
 
 def _tried(state: Search) -> list[dict]:
     gap = max(state.base.left - state.floor, 1e-12)
-    rows = [{"effects": " + ".join(f"{c.effect} ({c.place})" for c in h.effects), "left": max(h.left - state.floor, 0.0) / gap} for h in state.by_names().values()]
+    rows = [
+        {"effects": " + ".join(f"{c.effect} ({c.place})" for c in h.effects), "left": max(h.left - state.floor, 0.0) / gap}
+        for h in state.by_names().values()
+    ]
     return sorted(rows, key=lambda row: row["left"])
 
 

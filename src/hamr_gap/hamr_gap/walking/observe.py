@@ -92,7 +92,9 @@ def observed(segments: Segments, fine: int) -> Observed:
     at = walk.seen[index] - first[:, None]
     there = (at >= 0) & (at <= segments.samples)
     angles = walk.angles[after].reshape(len(first), -1, mean, 8).mean(2)
-    return Observed(_drives(segments, steps), angles, np.where(there, at, 0), walk.position[index], walk.quaternion[index], there, noise, mean)
+    return Observed(
+        _drives(segments, steps), angles, np.where(there, at, 0), walk.position[index], walk.quaternion[index], there, noise, mean
+    )
 
 
 def _drives(segments: Segments, steps: int) -> Drives:

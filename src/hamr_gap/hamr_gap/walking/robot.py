@@ -48,7 +48,7 @@ class Drives:
     """Voltages of segments at every step of each sample (s, k, steps, 8) V and their slopes V/ms, and the same for a while before.
 
     Attributes:
-        volts, rates. lead_volts, lead_slopes: (s, j, steps, 8). lead_angles, lead_rates: (s, j, 8) smoothed rad, rad/ms, before each sample.
+        volts, rates. lead_volts, lead_slopes: (s, j, steps, 8). lead_angles, lead_rates: (s, j, 8) smoothed rad, rad/ms.
     """
 
     volts: np.ndarray

@@ -10,8 +10,8 @@ import numpy as np
 
 from hamr_description.names import AXES, JOINTS, LEGS
 from hamr_dynamics.effects.effects_file import OF_LEGS, OF_THE_CHASSIS
-from hamr_dynamics.effects.law import Form, Parameter
-from hamr_dynamics.effects.library import library
+from hamr_dynamics.effects.law import Form
+from hamr_dynamics.effects.library import find, library
 from hamr_dynamics.effects.places import WORDS
 
 from ..parameters import Free
@@ -32,13 +32,13 @@ def kind(form: Form) -> str:
     return "chassis" if form.acts in OF_THE_CHASSIS else "leg" if form.acts in OF_LEGS else "joint"
 
 
-def missing(effect: str, deflections: bool = False) -> str:
+def missing(effect: str) -> str:
     """Why segments of a walk cannot show an effect; empty if they can."""
     needs = library()[effect].needs
     if effect in SLOW:
         return "it remembers for longer than a segment lasts"
-    if "deflections" in needs and not deflections:
-        return "there is no sensor on the actuator's side"
+    if "deflections" in needs:
+        return "segments do not use sensors on the actuator's side; hang the robot up"
     if "quantised" in needs:
         return "it is seen in the readings themselves"
     return "it is no name" if "unnamed" in needs else ""
@@ -81,12 +81,12 @@ class Screen:
         linear = Eliminated(slopes, about.residual, weights(about.residual))
         fixed = columns(replay, about.free, about.x, about.effects, about.change, about.residual)
         self.columns, responses = [], []
-        jobs = [(column, p, candidate, sizes) for column, p, candidate, sizes in _jobs(wanted)]
+        jobs = _jobs(wanted)
         for at in range(0, len(jobs), BATCH):
             part = jobs[at : at + BATCH]
-            models = [_with(about, candidate, values) for _, _, candidate, values in part]
+            models = [_with(about, candidate, values) for _, candidate, values in part]
             left = replay.each(about.change, models)
-            for (column, _, candidate, values), r in zip(part, left, strict=True):
+            for (column, _, values), r in zip(part, left, strict=True):
                 if np.isfinite(r).all():
                     self.columns.append(column)
                     responses.append(((about.residual - r) / values[column.size]).astype(np.float32))
@@ -102,10 +102,9 @@ class Screen:
         """Best sizes of some candidates with shapes, the re-tune along with them."""
         n, names, mix = len(self.free), [], []
         for c, own in zip(effects, shapes, strict=True):
-            units = _units(c)
             for p in c.law.sizes:
-                mix.append([float(col.effect == c.effect and col.form == c.form and col.shapes == own and col.size == p.name and col.unit in units)
-                            for col in self.columns])  # fmt: skip
+                wanted = {Column(c.effect, c.form, own, unit, p.name) for unit in _units(c)}
+                mix.append([float(column in wanted) for column in self.columns])
                 names.append((c, p))
         turn = np.zeros((n + len(mix), n + len(self.columns)))
         turn[:n, :n], turn[n:, n:] = np.eye(n), np.array(mix)
@@ -136,7 +135,7 @@ class Screen:
     def candidates(self) -> list[tuple[Candidate, tuple]]:
         """Each candidate with each set of shapes that was simulated."""
         seen = {(c.effect, c.form, c.shapes) for c in self.columns}
-        return [(Candidate(effect, form, place), own) for effect, form, own in sorted(seen) for place in PLACES[kind(Candidate(effect, form, "all").law)]]
+        return [(Candidate(name, form, place), own) for name, form, own in sorted(seen) for place in PLACES[kind(find(name, form))]]
 
 
 def _units(c: Candidate) -> tuple[str, ...]:
@@ -146,15 +145,17 @@ def _units(c: Candidate) -> tuple[str, ...]:
     return tuple(leg for leg in LEGS if f"{leg}_{AXES[0]}" in WORDS[c.place]) if kind(c.law) == "leg" else ("chassis",)
 
 
-def _jobs(wanted: Sequence[tuple[str, Form]]) -> list[tuple[Column, Parameter, Candidate, dict[str, float]]]:
+def _jobs(wanted: Sequence[tuple[str, Form]]) -> list[tuple[Column, Candidate, dict[str, float]]]:
+    """Each column with its candidate and the parameters, in scales, at which it is simulated."""
+    units = {"joint": JOINTS, "leg": LEGS, "chassis": ("chassis",)}
     found = []
     for effect, form in wanted:
         options = [[(p.name, v) for v in (p.screen or (p.typical,))] for p in form.shapes]
         for shapes in list(product(*options))[:OPTIONS]:
-            for unit in PLACES[kind(form)][1 if kind(form) == "leg" else 0 :] if kind(form) != "joint" else JOINTS:
-                for p in form.sizes:
-                    size = p.screen[0] if p.screen else SMALL * p.typical
-                    found.append((Column(effect, form.name, tuple(shapes), unit, p.name), p, Candidate(effect, form.name, unit), {p.name: size} | dict(shapes)))
+            for unit, p in product(units[kind(form)], form.sizes):
+                size = p.screen[0] if p.screen else SMALL * p.typical
+                column = Column(effect, form.name, tuple(shapes), unit, p.name)
+                found.append((column, Candidate(effect, form.name, unit), {p.name: size} | dict(shapes)))
     return found
 
 

@@ -1,4 +1,4 @@
-"""Find and name on the ground: re-tune, every candidate in the linear picture, the best fitted alone and in pairs, judged on other segments."""
+"""Find and name on the ground: a re-tune, all candidates in the linear picture, the best fitted alone and in pairs and judged elsewhere."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import numpy as np
 
 from hamr_description.errors import BagError
 
+from ..analyse import SMALLEST
 from ..parameters import Free
 from ..weigh import better
 from .fit import Fit, fit
 from .robot import NUMERICS, Robot
 from .screen import Screen, Solution, forms
 from .segments import CHANGES, Segments, segments
-from .setting import Candidate, Setting, effect_parameters, retune, setting
+from .setting import Candidate, Setting, effect_parameters, retune
 from .starts import Replay, Started, start
 from .walk import Walk
 
@@ -77,6 +78,11 @@ class Search:
     tried: list[Hypothesis] = field(default_factory=list)
 
     @property
+    def least(self) -> float:
+        """Mean square that counts as a gap: more than the simulation's own error, and a quarter of a sample's noise."""
+        return max(self.parts["fit"].observed.mean * SMALLEST**2, (0.5 * self.numerical) ** 2)
+
+    @property
     def best(self) -> Hypothesis:
         """The one that leaves least."""
         return min([self.base, *self.tried], key=lambda h: h.left)
@@ -101,8 +107,8 @@ def roles(whole: Segments) -> dict[str, np.ndarray]:
     found = {role: np.flatnonzero(name == role) for role in dict.fromkeys(TURNS)}
     if not all(map(len, found.values())):
         need = len(TURNS) * TURN_MS / 1e3
-        raise BagError(f"The walk lasts {whole.walk.step * len(whole.walk.angles) / 1e3:.1f} s: too short to fit on some and judge on others; "
-                       f"record {need:g} s or more.")  # fmt: skip
+        lasts = whole.walk.step * len(whole.walk.angles) / 1e3
+        raise BagError(f"The walk lasts {lasts:.1f} s: too short to fit on some and judge on others; record {need:g} s or more.")
     fitted = found["fit"]
     found["fit"] = fitted[np.unique(np.linspace(0, len(fitted) - 1, min(len(fitted), FITTED)).astype(int))]
     return found
@@ -121,10 +127,11 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
     singles = seen.singles()
     report("singles")
     state.tried += [_refine(state, s) for s in _forms(singles)]
-    report("again")
-    _polish(state)
-    report("pairs")
-    state.tried += _pairs(state, seen, singles)
+    if state.base.left - state.best.left > state.least:
+        report("again")
+        _polish(state)
+        report("pairs")
+        state.tried += _pairs(state, seen, singles)
     state.floor = min(state.floor, state.best.left)
     return state
 
@@ -148,10 +155,8 @@ def _begin(backend: str, walk: Walk, report: Callable[[str], None]) -> Search:
     starts = {role: start(parts[role], tuned.model) for role in ("select", "calibrate")}
     raw = start(parts["select"], Setting())
     nothing = Fit((), np.zeros(0), (), begun.change, begun.residual, 0.0, np.zeros((0, 0)))
-    return Search(
-        parts, starts, Hypothesis((), nothing, *left_of(parts["select"], raw)), Hypothesis((), tuned, *left_of(parts["select"], starts["select"])),
-        _numerical(replay, tuned), 1.0 - CHANGES / replay.observed.readings,
-    )  # fmt: skip
+    given, base = (Hypothesis((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
+    return Search(parts, starts, given, base, _numerical(replay, tuned), 1.0 - CHANGES / replay.observed.readings)
 
 
 def _numerical(replay: Replay, tuned: Fit) -> float:
@@ -216,7 +221,8 @@ def _forms(singles: Sequence[Solution]) -> list[Solution]:
     for s in singles:
         first.setdefault(s.effects[0].name, s)
     names = list(first)[:SINGLES]
-    return [s for s in singles if s.effects[0].name in names[:ALL_FORMS] or s is first.get(s.effects[0].name) and s.effects[0].name in names]
+    others = [s for s in singles if s.effects[0].name in names[:ALL_FORMS] and s is not first[s.effects[0].name]]
+    return [*(first[name] for name in names), *others]
 
 
 def _pairs(state: Search, seen: Screen, singles: Sequence[Solution]) -> list[Hypothesis]:

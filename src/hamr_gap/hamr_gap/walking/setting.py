@@ -1,4 +1,4 @@
-"""What may differ between lanes: a re-tune, effects at places, one shift of clocks and the sensors' zeros; as free numbers and as a whole."""
+"""What may differ between lanes, as free numbers and as a whole: a re-tune, effects at places, a shift of clocks, zeros of sensors."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from .walk import Walk
 
 SHOWN_MS = 50.0
 HORIZONS_MS = (8.0, 20.0, 50.0)
-#: Of HAMR's joints one common factor is known on the ground, where weight fixes the scale.
+#: A note that does not hold on the ground, where weight fixes the scale.
 DROPPED = "Drive and angle fix"
 
 
@@ -37,7 +37,7 @@ def run(measured: Sequence[str | Path], out: Path, *, backend: str, holdout: Seq
 
     Args:
         measured: bags with drive voltages, hip angles and the chassis's pose. out: folder for all that is found.
-        backend: the model. holdout: bags that are opened only after the answer is fixed. command: what repeats this. report: told the stage.
+        backend: the model. holdout: bags that are opened only after the answer is fixed. command: what repeats this. report: told stages.
 
     Returns:
         The content of `verdict.json`.

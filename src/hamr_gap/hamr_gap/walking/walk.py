@@ -63,7 +63,10 @@ def joined(walks: Sequence[Walk]) -> Walk:
         BagError: they differ in their sample times.
     """
     first = walks[0]
-    if not all(np.isclose(w.step, first.step, rtol=1e-4) and len(w.voltages) * len(first.angles) == len(first.voltages) * len(w.angles) for w in walks):
+    if not all(
+        np.isclose(w.step, first.step, rtol=1e-4) and len(w.voltages) * len(first.angles) == len(first.voltages) * len(w.angles)
+        for w in walks
+    ):
         raise BagError("Bags of one robot must have the same sample rates: resample them or leave one out.")
     begins = np.cumsum([0, *(len(w.angles) for w in walks)])
     breaks = tuple(int(b + begin) for w, begin in zip(walks, begins, strict=False) for b in (0, *w.breaks) if b + begin)
