@@ -31,7 +31,7 @@ WORST = 0.1  # of the judged segments, that do not count: their contact may have
 SINGLES = 6  # names fitted
 ALL_FORMS = 2  # of these, in all their forms
 PAIRS = 3
-POLISHED, RIVAL = 4, 3.0  # how many are fitted again, that leave less than so many times what the best leaves
+POLISHED, RIVAL, AGAIN = 4, 3.0, 3  # how many are fitted again, that leave less than so many times what the best leaves; and how often
 ENOUGH = 0.03  # of the gap, that another effect must promise
 
 
@@ -200,13 +200,15 @@ def _refine(state: Search, solution: Solution) -> Hypothesis:
 
 def _polish(state: Search) -> None:
     """Fits the best again from starts of their own: those of the re-tuned model may have feet where only a wrong model puts them."""
-    replay = state.parts["fit"]
     for h in sorted(state.tried, key=lambda h: h.left)[:POLISHED]:
-        if h.left < RIVAL * state.best.left:
-            found = fit(replay, h.fit.free, h.fit.x, h.effects, start(replay, h.fit.model).change)
+        for _ in range(AGAIN):
+            if h.left > RIVAL * state.best.left:
+                break
+            found = fit(state.parts["fit"], h.fit.free, h.fit.x, h.effects, start(state.parts["fit"], h.fit.model).change)
             again = Hypothesis(h.effects, found, *left_of(state.parts["select"], start(state.parts["select"], found.model)))
-            if again.left < h.left:
-                state.tried[state.tried.index(h)] = again
+            if again.left > 0.98 * h.left:
+                break
+            state.tried[state.tried.index(h)] = h = again
 
 
 def _inside(f: Free, x: float) -> float:
