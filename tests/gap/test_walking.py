@@ -1,4 +1,4 @@
-"""The walking study's parts: turns, smoothed starts, and friction hidden in MuJoCo that a fit on segments finds."""
+"""The walking study's parts: turns, smoothed and fitted starts, roles, settings."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from hamr_bags.as_measured import NOISE, strokes
 from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
-from hamr_description.numbers import value
-from hamr_gap.walking.fit import fit
 from hamr_gap.walking.robot import NUMERICS, Robot
 from hamr_gap.walking.search import TURN_MS, TURNS, roles, trimmed
 from hamr_gap.walking.segments import CHANGES, segments
@@ -23,29 +21,26 @@ from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retu
 from hamr_gap.walking.starts import Replay, start
 from hamr_gap.walking.walk import Walk, joined, product, turn_between, turned
 
-SECONDS, HIDDEN = 1.2, 0.6  # of the model's friction
+SECONDS = 1.2
 STEP = 0.25  # ms
 
 
 @cache
-def walks() -> dict[str, tuple[Walk, np.ndarray]]:
-    """A trot in MuJoCo on the model's ground and on a slippery one: what was measured, and the true states at each pose."""
+def walked() -> tuple[Walk, np.ndarray]:
+    """A trot in MuJoCo: what was measured, and the true states at each pose."""
     from hamr_sim_residual.mujoco_simple import simple_engine
 
+    engine, states, angles = simple_engine(), [], []
+    order = [engine.model.joint(joint).dofadr[0] - 6 for joint in JOINTS]
     volts = excitation("trot", seconds=SECONDS, frequency_hz=16.0, amplitude=40.0).voltages
-    found = {}
-    for name, friction in (("same", None), ("slippery", HIDDEN * value("contact.friction"))):
-        engine, states, angles = simple_engine(friction=friction), [], []
-        for k, v in enumerate(volts):
-            order = [engine.model.joint(joint).dofadr[0] - 6 for joint in JOINTS]
-            q, rates = engine.data.qpos[7:], engine.data.qvel[6:]
-            if k % 5 == 0:
-                angles.append(q[order].copy())
-            if k % 80 == 0:
-                states.append(np.concatenate([engine.data.qpos[:7], engine.data.qvel[:6], q[order], rates[order]]))
-            engine.substep(v)
-        found[name] = _measured(volts[::5], np.array(angles), np.array(states)), np.array(states)
-    return found
+    for k, v in enumerate(volts):
+        q, rates = engine.data.qpos[7:], engine.data.qvel[6:]
+        if k % 5 == 0:
+            angles.append(q[order].copy())
+        if k % 80 == 0:
+            states.append(np.concatenate([engine.data.qpos[:7], engine.data.qvel[:6], q[order], rates[order]]))
+        engine.substep(v)
+    return _measured(volts[::5], np.array(angles), np.array(states)), np.array(states)
 
 
 def _measured(volts: np.ndarray, angles: np.ndarray, states: np.ndarray) -> Walk:
@@ -88,7 +83,7 @@ def test_starts_of_smooth_motion_are_exact(seed):
 
 
 def test_no_segment_bridges_a_break_or_lost_poses():
-    walk, _ = walks()["same"]
+    walk, _ = walked()
     two = joined([walk, walk])
     found = segments(two, length_ms=20.0, every_ms=20.0)
     seam = len(walk.angles)
@@ -100,7 +95,7 @@ def test_no_segment_bridges_a_break_or_lost_poses():
 
 
 def test_roles_never_share_a_turn_and_short_walks_are_refused():
-    walk, _ = walks()["same"]
+    walk, _ = walked()
     whole = segments(joined([walk] * 8), length_ms=40.0, every_ms=40.0)
     part = roles(whole)
     turn = {role: set((whole.first[index] - whole.first[0]) * STEP // TURN_MS) for role, index in part.items()}
@@ -111,7 +106,7 @@ def test_roles_never_share_a_turn_and_short_walks_are_refused():
 
 
 def test_a_walk_without_poses_or_with_lost_angles_is_refused():
-    walk, _ = walks()["same"]
+    walk, _ = walked()
     with pytest.raises(BagError, match="hardly ever seen"):
         Walk(walk.voltages, walk.angles, STEP, walk.seen[:1], walk.position[:1], walk.quaternion[:1])
     with pytest.raises(BagError, match="were lost"):
@@ -120,7 +115,7 @@ def test_a_walk_without_poses_or_with_lost_angles_is_refused():
 
 def test_fitted_starts_predict_to_the_noise_where_smoothed_ones_do_not():
     """Same ground: what fitted starts leave is what true starts leave, and a small part of what smoothed ones do."""
-    walk, states = walks()["same"]
+    walk, states = walked()
     chosen = segments(walk, length_ms=20.0, every_ms=40.0)
     replay = Replay.of(Robot("simple", NUMERICS[1]), chosen)
     smoothed = replay.each(np.zeros((len(chosen), CHANGES)), [Setting()])[0][:, :-CHANGES]
@@ -131,19 +126,6 @@ def test_fitted_starts_predict_to_the_noise_where_smoothed_ones_do_not():
     assert trimmed(fitted)[0] < 0.1 * trimmed(smoothed)[0]
     assert trimmed(fitted)[0] < 1.2 * trimmed(from_true)[0]
     assert trimmed(fitted)[0] < 6.0  # of means over 1 ms: an angle is a noise or so off
-
-
-def test_friction_hidden_in_mujoco_is_found_on_segments():
-    walk, _ = walks()["slippery"]
-    replay = Replay.of(Robot("simple", NUMERICS[1]), segments(walk, length_ms=40.0, every_ms=60.0))
-    begun = start(replay, Setting())
-    candidate = Candidate("ground_friction", "factor", "all")
-    free = effect_parameters([candidate])
-    found = fit(replay, free, np.array([-0.1]), [candidate], begun.change)
-    again = fit(replay, free, found.x, [candidate], start(replay, found.model).change)
-    before, after = (trimmed(x[:, :-CHANGES])[0] for x in (begun.residual, again.residual))
-    assert abs(1.0 + again.x[0] - HIDDEN) < 0.05
-    assert after < 0.1 * before
 
 
 def test_settings_carry_every_free_number_once():

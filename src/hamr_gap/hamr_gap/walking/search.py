@@ -24,7 +24,7 @@ from .walk import Walk
 LENGTH_MS = 40.0  # of a segment: what acts on the body shows as the square of time, and contact stays predictable
 TURN_MS = 500.0  # in which segments serve one role
 TURNS = ("fit", "select", "fit", "calibrate", "fit", "select", "fit", "report")
-FITTED = 36  # segments that are fitted, at most
+FITTED, JUDGED = 36, 48  # segments that are fitted, and that serve each other role, at most
 BLOCK_MS = 100.0  # of judged segments, that count as one
 CLOSE = 6.0  # mean square that a model as given may leave for the finest steps to matter
 WORST = 0.1  # of the judged segments, that do not count: their contact may have gone another way
@@ -109,9 +109,12 @@ def roles(whole: Segments) -> dict[str, np.ndarray]:
         need = len(TURNS) * TURN_MS / 1e3
         lasts = whole.walk.step * len(whole.walk.angles) / 1e3
         raise BagError(f"The walk lasts {lasts:.1f} s: too short to fit on some and judge on others; record {need:g} s or more.")
-    fitted = found["fit"]
-    found["fit"] = fitted[np.unique(np.linspace(0, len(fitted) - 1, min(len(fitted), FITTED)).astype(int))]
-    return found
+    return {role: _thinned(index, FITTED if role == "fit" else JUDGED) for role, index in found.items()}
+
+
+def _thinned(index: np.ndarray, most: int) -> np.ndarray:
+    """No more than so many, evenly."""
+    return index[np.unique(np.linspace(0, len(index) - 1, min(len(index), most)).astype(int))]
 
 
 def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: None) -> Search:
