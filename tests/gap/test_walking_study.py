@@ -16,7 +16,7 @@ from hamr_description.names import JOINTS, Topic
 from hamr_dynamics.batch import BatchSim
 from hamr_dynamics.effects.library import find
 from hamr_gap.walking import search, strides
-from hamr_gap.walking.bags import read
+from hamr_gap.walking.bags import on_the_ground, read
 from hamr_gap.walking.study import study
 from hamr_gap.walking.walk import Walk, turned
 
@@ -30,6 +30,7 @@ def walk(tmp_path_factory) -> Walk:
     bag = tmp_path_factory.mktemp("bags") / "trot"
     run = Run(backend="simple", engine="mujoco", friction=HIDDEN, excitation=TROT | {"seconds": 4.6}, seconds=4.6, bag=str(bag))
     direct(run, engine=make_engine(run))
+    assert on_the_ground(bag)
     return noisy(read([bag]), 1)
 
 
@@ -53,6 +54,7 @@ def test_a_bag_gives_what_the_robot_did(walk):
 def test_a_hung_robot_is_refused(tmp_path):
     run = Run(backend="simple", environment="suspended", excitation=TROT | {"seconds": 0.6}, seconds=0.6, bag=str(tmp_path / "hung"))
     direct(run)
+    assert not on_the_ground(tmp_path / "hung")
     with pytest.raises(BagError, match="hung up"):
         read([tmp_path / "hung"])
 

@@ -7,15 +7,32 @@ from pathlib import Path
 
 import numpy as np
 
-from hamr_bags.reader import load
+from hamr_bags.bag import open_bag
+from hamr_bags.cdr import text
+from hamr_bags.reader import base_pose, load
 from hamr_bags.recording import Recording
+from hamr_bags.run_info import RunInfo
 from hamr_description.errors import BagError
 from hamr_description.names import Topic
 from hamr_description.units import length_from_si, quaternion_from_ros, time_from_si
 
 from .walk import Walk, joined
 
+MOVED_MM = 5.0  # by a chassis that is not held
 SHORTEST_S = 0.5  # of a stretch without lost samples that counts
+
+
+def on_the_ground(bag: str | Path) -> bool:
+    """Whether a bag is of a walking robot: it says so, or it says nothing and the chassis moved.
+
+    Raises:
+        BagError: the bag is missing, damaged or empty.
+    """
+    with open_bag(bag) as opened:
+        if opened.counts.get(Topic.RUN_INFO):
+            return RunInfo.conditions(text(opened.raws(Topic.RUN_INFO)[1][-1])).environment == "ground"
+        seen = bool(opened.counts.get(Topic.ODOM))
+    return seen and float(np.ptp(length_from_si(base_pose(bag).position), axis=0).max()) > MOVED_MM
 
 
 def read(bags: Sequence[str | Path]) -> Walk:
