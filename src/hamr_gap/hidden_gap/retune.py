@@ -28,8 +28,8 @@ NAMES = (*(f"{kind}.{joint}" for kind in (*STEPS, "sensor_gain", "bias", "tip_ga
 KINDS = tuple(name.split(".")[0] for name in NAMES)
 ALLOWED = np.array([LEEWAY.get(kind, FACTOR_LEEWAY) for kind in KINDS])
 IS_FACTOR = np.array([kind in FACTORS for kind in KINDS])
-#: Longest step, in leeways; how much worse than foreseen a step may turn out; how much what is foreseen may still change.
-LONGEST, AS_FORESEEN, SETTLED = 2.0, 1.03, 0.02
+#: Longest step, in leeways; how much more than foreseen may be left, if directions are old, and in the end; how much that may change.
+LONGEST, STALE, AS_FORESEEN, SETTLED = 2.0, 1.06, 1.03, 0.02
 #: Every how many samples the gap is looked at; runs kept; Gauss-Newton steps.
 THIN, KEPT, MOST = 3, 6, 6
 
@@ -129,6 +129,7 @@ class Retune:
         their end takes far longer than it takes to know how deep they are.
         """
         at = self.start if start is None else start
+        made_at = at if directions is None else None
         directions = directions or self._directions(at.tobytes())
         goal, best, best_at, best_rest, foreseen = self._scale.run(truth), np.inf, at, np.zeros(0), np.inf
         for _ in range(most):
@@ -140,7 +141,10 @@ class Retune:
             before = foreseen
             foreseen, at, cut = directions.step(best_rest, best_at)
             if (best < AS_FORESEEN * foreseen and not cut) or abs(before - foreseen) < SETTLED * foreseen:
-                break
+                if best < STALE * foreseen or made_at is best_at or most == 1:
+                    break
+                directions, made_at = self._directions(best_at.tobytes()), best_at
+                foreseen, at, cut = directions.step(best_rest, best_at)
         return Fit(foreseen, best_at, directions)
 
     def _run(self, others: tuple[Effect, ...], at: np.ndarray) -> Truth:
