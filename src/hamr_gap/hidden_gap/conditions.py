@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -41,12 +42,12 @@ def signal(case: Case, random: np.random.Generator) -> dict:
     return {"kind": gait, "seconds": case.seconds, "frequency_hz": hz, "amplitude": float(random.uniform(40.0, 80.0))}
 
 
-def changes(random: np.random.Generator) -> dict[str, float]:
-    """Hidden changes of every kind at both joints, and a common time shift in a third of the draws."""
+def changes(random: np.random.Generator, joints: Sequence[str] = JOINTS, kinds: Collection[str] = tuple(SPREAD)) -> dict[str, float]:
+    """Hidden changes of the kinds at the joints, and a common time shift in a third of the draws."""
     drawn = {}
-    for kind, spread in SPREAD.items():
-        for joint in JOINTS:
-            x = float(np.clip(random.standard_normal(), -2.5, 2.5)) * spread
+    for kind in kinds:
+        for joint in joints:
+            x = float(np.clip(random.standard_normal(), -2.5, 2.5)) * SPREAD[kind]
             drawn[f"{kind}.{joint}"] = x if kind in ("preload", "bias", "tip_bias") else float(np.exp(x))
     if random.random() < 1 / 3:
         drawn[TIME_SHIFT] = float(random.uniform(0.05, LATEST))

@@ -57,7 +57,7 @@ def draw(group: str, seed: int, *, strength: float = 5.0, seconds: float = 12.0)
 def effect(law: Law, random: np.random.Generator, place: tuple[int, ...] | None = None) -> Effect:
     """A law at a place with parameters from its ranges; its size is a first guess."""
     place = law.places[random.integers(len(law.places))] if place is None else place
-    parameters = {name: _parameter(*bounds, random, law.size != name) for name, bounds in law.ranges.items()}
+    parameters = {name: parameter(*bounds, random, law.size != name) for name, bounds in law.ranges.items()}
     parameters[law.size] = math.sqrt(math.prod(law.ranges[law.size]))
     return Effect(law.family, tuple(JOINTS[i] for i in place), law.name, parameters)
 
@@ -78,7 +78,8 @@ def hidden(case: Case, effects: tuple[Effect, ...]) -> Case | None:
     return replace(case, effects=found, reached=reached, step=min(LAWS[one.law].step for one in found))
 
 
-def _parameter(low: float, high: float, random: np.random.Generator, may_leave: bool) -> float:
+def parameter(low: float, high: float, random: np.random.Generator, may_leave: bool) -> float:
+    """From a range, log-uniformly where it is positive; sometimes beyond it."""
     if low <= 0.0:
         return float(random.uniform(low, high))
     widen = 3.0 if may_leave and random.random() < BEYOND else 1.0

@@ -5,7 +5,7 @@ Where a law stands between actuator and leg, the actuator gets a hinge of its ow
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cache
@@ -35,9 +35,9 @@ def neutral(kind: str) -> float:
     return 1.0 if kind in FACTORS else 0.0
 
 
-def change(changes: Mapping[str, float], kind: str) -> np.ndarray:
-    """(2,) values of a kind, `changes` holding "kind.joint" keys."""
-    return np.array([changes.get(f"{kind}.{joint}", neutral(kind)) for joint in JOINTS])
+def change(changes: Mapping[str, float], kind: str, joints: Sequence[str] = JOINTS) -> np.ndarray:
+    """(len(joints),) values of a kind, `changes` holding "kind.joint" keys."""
+    return np.array([changes.get(f"{kind}.{joint}", neutral(kind)) for joint in joints])
 
 
 @dataclass(frozen=True, slots=True)

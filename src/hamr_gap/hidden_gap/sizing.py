@@ -69,7 +69,7 @@ class Sizer:
                 return math.log(max(fits[-1].gap, 1e-6) / self._strength)
 
             try:
-                x, y, slope = _search(miss, x, slope, low, high, near, trials, FAR if run is self._whole else math.inf)
+                x, y, slope = search(miss, x, slope, low, high, near, trials, FAR if run is self._whole else math.inf)
             except ModelError:
                 return None
             if abs(y) > (CLOSE if run is self._whole else FAR):
@@ -89,8 +89,8 @@ class Sizer:
         return everything.gap, *(found.gap for found in each)
 
 
-def _search(
-    miss: Callable[[float], float], x: float, slope: float, low: float, high: float, near: float, trials: int, far: float
+def search(
+    miss: Callable[[float], float], x: float, slope: float, low: float, high: float, near: float, trials: int, far: float = math.inf
 ) -> tuple[float, float, float]:
     """Secants for the root of a rising function, kept inside what is known: the last x tried, what is missed there, the slope.
 

@@ -1,0 +1,91 @@
+"""Hidden cases that walk: the whole HAMR-simple on the ground, as a laboratory with encoders and motion capture would record it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from hamr_description.errors import ConfigError, ModelError
+from hamr_description.names import JOINTS
+
+from .case import Effect
+from .conditions import changes
+from .draw import parameter
+from .ground_bag import write
+from .ground_case import KINDS, GroundCase, conditions
+from .ground_laws import GroundLaw, families, laws_of
+from .ground_strength import shown, walked
+from .laws import LAWS, Law
+from .sizing import CLOSE, search
+
+__all__ = ["TURNS", "GroundCase", "draw", "turn", "write"]
+
+NULLS = ("nothing", "changes")
+#: What is hidden, by turns with the seed.
+TURNS = (*families(), *NULLS)
+ATTEMPTS = 20
+SPARE = 88  # apart from the groups of draw.GROUPS
+#: Seconds of the brief run on which a size is sought, how near it must come there, and trials on it and on the whole run.
+BRIEF, NEAR, TRIALS, WHOLE_TRIALS = 2.0, 0.1, 8, 4
+
+
+def turn(seed: int) -> str:
+    """What the case of a seed hides: a name, or one of NULLS."""
+    return TURNS[seed % len(TURNS)]
+
+
+def draw(seed: int, *, strength: float = 5.0, seconds: float = 12.0) -> GroundCase:
+    """Draw a case.
+
+    Args:
+        seed: equal arguments give equal cases; `turn(seed)` is hidden.
+        strength: rms over segments of 20 ms of the run minus that without the effect from the same states, in floors of the sensor noise,
+            in the channel (hip angle, axis of position or orientation) that shows it most.
+        seconds: length of the run, 1 to 12.
+
+    Returns:
+        A case that reaches the strength within 5 %. ConfigError if no draw does.
+    """
+    hides = turn(seed)
+    for attempt in range(ATTEMPTS):
+        random = np.random.default_rng([SPARE, seed, attempt])
+        case = conditions(f"ground-{seed}", seed, strength, seconds, random)
+        try:
+            if hides in NULLS:
+                case = replace(case, changes=changes(random, JOINTS, KINDS) if hides == "changes" else {})
+                case.run()  # must not fall over
+                return case
+            options = laws_of(hides)
+            if found := _sized(case, _effect(options[seed // len(TURNS) % len(options)], random)):
+                return found
+        except ModelError:
+            continue
+    raise ConfigError(f"No case on the ground of seed {seed} hides '{hides}' with strength {strength}; ask for less.")
+
+
+def _effect(law: GroundLaw | Law, random: np.random.Generator) -> Effect:
+    """A law at all legs or the body, parameters from its ranges; its size is a first guess."""
+    parameters = {name: parameter(*bounds, random, law.size != name) for name, bounds in law.ranges.items()}
+    parameters[law.size] = math.sqrt(math.prod(law.ranges[law.size]))
+    return Effect(law.family, JOINTS if law.name in LAWS else (), law.name, parameters)
+
+
+def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:
+    """The case with the effect scaled to its strength; None if the bounds forbid that. ModelError if the robot falls."""
+    law = next(law for law in laws_of(effect.family) if law.name == effect.law)
+    low, high = map(math.log, law.ranges[law.size])
+    x, slope, tried = math.log(effect.parameters[law.size]), 1.0, {}
+    for seconds, near, trials in ((min(BRIEF, case.seconds), NEAR, TRIALS), (case.seconds, CLOSE, WHOLE_TRIALS)):
+        volts = case.volts(seconds)
+
+        def miss(size: float, volts=volts) -> float:
+            hidden = replace(effect, parameters=effect.parameters | {law.size: math.exp(size)})
+            channels = shown(walked((hidden,), case.changes, volts), case.changes, volts, case.floors)
+            tried[size] = replace(case, effects=(hidden,), channels=channels, reached=max(channels.values()))
+            return math.log(max(tried[size].reached, 1e-6) / case.strength)
+
+        x, y, slope = search(miss, x, slope, low, high, near, trials)
+        found, x = tried[x], min(max(x - y / slope, low), high)
+    return found if abs(y) < CLOSE else None
