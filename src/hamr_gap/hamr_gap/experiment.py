@@ -15,8 +15,8 @@ from .hypothesis import Hypothesis
 from .linear import jacobian
 from .model import Model
 from .prepare import Prepared
+from .sensors import Sensors
 from .weigh import FORM_ERROR
-from .weighed import Sensors
 
 TRIED_S = 4.0  # of each signal
 ENOUGH = 5.0  # d' that decides

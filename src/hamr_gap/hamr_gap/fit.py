@@ -14,7 +14,8 @@ from hamr_description.errors import BagError
 
 from .linear import jacobian
 from .parameters import Free
-from .weighed import Sensors, Weighed
+from .sensors import Sensors
+from .weighed import Weighed
 
 TRIALS = np.array([1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
@@ -51,7 +52,8 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
     model, until = weighed.model, weighed.until
     low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
     x, run = _started(weighed, free, np.clip(x0, low, high), center)
-    s, cost = weighed.solve_sensors(run)
+    s, _ = weighed.solve_sensors(run)
+    s, cost = weighed.solve_sensors(run, weighed.sensors(s).shift)
     cost += _prior(x, center, sd)
     converged = False
     for _ in range(steps):
@@ -73,7 +75,7 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
         for k in np.flatnonzero(finite):
             if k < len(TRIALS) and k > 1 and costs[k - 1] > costs[k - 2] and costs[k - 2] < cost:
                 continue  # past the best
-            solutions[k], left = weighed.solve_sensors(runs[k])
+            solutions[k], left = weighed.solve_sensors(runs[k], sensors.shift)
             costs[k] = left + _prior(trials[k], center, sd)
         best = int(np.argmin(costs))
         if not costs[best] < cost:

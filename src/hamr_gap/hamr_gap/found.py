@@ -17,8 +17,8 @@ from .experiment import propose
 from .hypothesis import Hypothesis
 from .parameters import Candidate
 from .record import Record
+from .sensors import Sensors
 from .table import fit_table
-from .weighed import Sensors
 
 #: The same machine in four states: as given, re-tuned, with the effect, and re-tuned likewise but with the effect taken out again.
 STATES = ("raw", "retuned", "after", "removed")

@@ -10,6 +10,7 @@ import numpy as np
 from .fit import Fit, fit
 from .parameters import Candidate, Free, effect_parameters
 from .screen import BATCH, Screen, Solution
+from .sensors import late
 from .weighed import Weighed
 
 STEPS = np.array([1.0, 0.4, 0.15])  # shares of a linear solution that are simulated
@@ -89,12 +90,14 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
         for share in STEPS:
             prepared.append((tuple(effects), free, _at(free, base, seen, solution, share)))
     model, until = weighed.coarse or weighed.model, weighed.until
-    target = model.target[:until] - (base.run[:until] - model.runs(base.free, base.x, until)[0])  # what coarser steps do is known
-    basis = np.linalg.qr(weighed.sensor_columns(base.run))[0]
+    coarse = base.run[:until] - model.runs(base.free, base.x, until)[0]  # what coarser steps do is known
+    target = weighed.vector(model.target)
+    basis = np.linalg.qr(weighed.sensor_columns(late(base.run, base.sensors.shift, model.reading_step, model.starts)))[0]
     found: dict[int, Start] = {}
     for at in range(0, len(prepared), BATCH):
         part = prepared[at : at + BATCH]
-        left = weighed.vector(target - model.run_rows(np.concatenate([model.rows(free, x) for _, free, x in part]), until))
+        runs = coarse + model.run_rows(np.concatenate([model.rows(free, x) for _, free, x in part]), until)
+        left = target - weighed.vector(base.sensors.read(runs, model.reading_step, model.starts))
         left -= (left @ basis) @ basis.T
         for k, ((effects, free, x), r) in enumerate(zip(part, left, strict=True)):
             which = (at + k) // len(STEPS)

@@ -16,9 +16,9 @@ from hamr_dynamics.plant import plant
 
 from .record import Record
 
-NEAR_STOP = 0.98  # of the way to an end stop
-SHAKEN_MS = 60.0  # for which a hit is remembered: the slower mode has lost four fifths of it then
-ENOUGH_CLEAR = 0.4
+NEAR_STOP = 0.95  # of the way to an end stop, that a tip must have gone to have met it: its sensor is off by some per cent
+SHAKEN_MS = 120.0  # for which a hit is remembered: how hard it was shows above the noise that long
+ENOUGH_CLEAR = 0.2
 
 
 class Measured(Protocol):

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from .parameters import Free
-from .weighed import Sensors, Weighed
+from .sensors import Sensors, late
+from .weighed import Weighed
 
 DELTA = 1e-3  # of a parameter's prior, or of its scale where that is narrower
 
@@ -21,7 +22,11 @@ def jacobian(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndar
     model = weighed.model
     step = DELTA * np.minimum([f.sd for f in free], 1.0)
     step = np.where(x + step > [f.high for f in free], -step, step)
-    base = weighed.vector(sensors.read(run, model.reading_step, model.starts))
+
+    def read(run: np.ndarray) -> np.ndarray:
+        return weighed.vector(sensors.read(run, model.reading_step, model.starts))
+
     probes = model.runs(free, x + np.diag(step), len(run)) if len(free) else ()
-    columns = [(weighed.vector(sensors.read(p, model.reading_step, model.starts)) - base) / d for p, d in zip(probes, step, strict=True)]
-    return np.column_stack([*columns, weighed.sensor_columns(run)])
+    base = read(run)
+    columns = [(read(p) - base) / d for p, d in zip(probes, step, strict=True)]
+    return np.column_stack([*columns, weighed.sensor_columns(late(run, sensors.shift, model.reading_step, model.starts))])

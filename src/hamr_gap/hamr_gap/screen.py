@@ -18,7 +18,7 @@ from hamr_dynamics.effects.law import Parameter
 from .fit import Fit
 from .linear import jacobian
 from .parameters import Candidate, lanes
-from .weighed import Weighed, slope
+from .weighed import Weighed
 
 BATCH = 48  # lanes at a time
 
@@ -121,8 +121,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
 
     def respond(part: Sequence[Column]) -> np.ndarray:
         y = model.run_rows(rows_of(part), until) - plain
-        y -= base.sensors.shift * slope(y, model.reading_step, model.starts)
-        return (1.0 + base.sensors.gain) * y / weighed.sigma
+        return (base.sensors.read(y, model.reading_step, model.starts) - base.sensors.bias) / weighed.sigma
 
     responses = np.empty((len(columns), *plain.shape), np.float32)
     for round_ in (0, 1):  # at the typical size, then at the size that matters

@@ -1,50 +1,16 @@
-"""A model with the readings that count, and what sensors make of its runs.
-
-What sensors add linearly (biases, gains, one shift of all clocks) is solved for with every run.
-"""
+"""A model with the readings that count, and the sensors solved for with every run of it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from .model import Model
+from .sensors import Sensors, late, slope
 
 GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
-
-
-@dataclass(frozen=True)
-class Sensors:
-    """The linear part: reading = (1 + gain) y + bias - shift dy/dt.
-
-    Attributes:
-        bias, gain: (channels,). shift: T.
-    """
-
-    bias: np.ndarray
-    gain: np.ndarray
-    shift: float
-
-    @classmethod
-    def none(cls, channels: int) -> Sensors:
-        """Sensors that change nothing."""
-        return cls(np.zeros(channels), np.zeros(channels), 0.0)
-
-    def read(self, y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
-        """(n, channels) readings of a run (n, channels); from `starts` it starts as measured, so that there no shift moves it."""
-        return (1.0 + self.gain) * y + self.bias - self.shift * slope(y, step, starts)
-
-
-def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
-    """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
-    found = np.gradient(y, step, axis=-2)
-    inside = [start for start in starts if start + 1 < y.shape[-2]]
-    for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
-        found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step
-    return found
 
 
 @dataclass(frozen=True)
@@ -84,7 +50,7 @@ class Weighed:
         return len(self.biased) + len(self.gains) + 1
 
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
-        """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part."""
+        """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part, about a run (late already)."""
         columns = []
         for c in self.biased:
             bias = np.zeros_like(run)
@@ -112,9 +78,13 @@ class Weighed:
         gain[gains] = s[len(biased) : -1]
         return Sensors(bias, gain, float(s[-1]) * self.model.reading_step)
 
-    def solve_sensors(self, run: np.ndarray) -> tuple[np.ndarray, float]:
-        """Best sensor coefficients for a run, and the half sum of squares that is left."""
-        columns = self.sensor_columns(run)
-        residual = self.vector(self.model.target[: len(run)] - run)
+    def solve_sensors(self, run: np.ndarray, about: float = 0.0) -> tuple[np.ndarray, float]:
+        """Best sensor coefficients for a run, and the half sum of squares that is left; `about`: shift near which they lie, T."""
+        step = self.model.reading_step
+        moved = late(run, about, step, self.model.starts)
+        columns = self.sensor_columns(moved)
+        residual = self.vector(self.model.target[: len(run)] - moved)
         s = np.linalg.solve(columns.T @ columns + np.diag(self.sensor_precision), columns.T @ residual)
-        return s, 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
+        left = 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
+        s[-1] += about / step
+        return s, left

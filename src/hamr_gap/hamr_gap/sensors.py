@@ -1,0 +1,65 @@
+"""What sensors make of a run: scales, biases, and clocks that are late."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+TAPS = np.arange(-3, 4)  # readings that a late one is interpolated from
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """reading = (1 + gain) y(t - shift) + bias.
+
+    Attributes:
+        bias, gain: (channels,). shift: T.
+    """
+
+    bias: np.ndarray
+    gain: np.ndarray
+    shift: float
+
+    @classmethod
+    def none(cls, channels: int) -> Sensors:
+        """Sensors that change nothing."""
+        return cls(np.zeros(channels), np.zeros(channels), 0.0)
+
+    def read(self, y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+        """(..., n, channels) readings of a run; from `starts` it starts as measured, so that there no shift moves it."""
+        return (1.0 + self.gain) * late(y, self.shift, step, starts) + self.bias
+
+
+def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+    """(..., n, channels) of a run, `shift` later: by polynomials of degree six through its readings, in short pieces to first order."""
+    if starts:
+        return y - shift * slope(y, step, starts)
+    whole = round(shift / step)
+    part = shift / step - whole
+    reach = int(TAPS[-1]) + abs(whole)
+    wide = np.concatenate([_beyond(y, reach), y, _beyond(y[..., ::-1, :], reach)[..., ::-1, :]], axis=-2)
+    n = y.shape[-2]
+    return sum(_weight(j, -part) * wide[..., reach - whole + j : reach - whole + j + n, :] for j in TAPS)
+
+
+def _beyond(y: np.ndarray, count: int) -> np.ndarray:
+    """(..., count, channels) before the first reading, straight on."""
+    back = np.arange(count, 0, -1)[:, None]
+    return y[..., :1, :] - back * (y[..., 1:2, :] - y[..., :1, :])
+
+
+def _weight(j: int, x: float) -> float:
+    """Lagrange polynomial of a tap at x."""
+    others = TAPS[j != TAPS]
+    return float(np.prod((x - others) / (j - others)))
+
+
+def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
+    """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
+    found = np.gradient(y, step, axis=-2)
+    inside = [start for start in starts if start + 1 < y.shape[-2]]
+    for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
+        found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step
+    return found
