@@ -21,6 +21,7 @@ from .record import Record
 from .roles import mask
 from .search import Search, noise_floor, search
 from .si import channel_si, si_of
+from .unexplained import structural
 from .verdict import Answer, Estimate, Gap, NamedEffect, Verdict
 from .weigh import Weight, better, credible, weigh
 from .where import where
@@ -28,6 +29,7 @@ from .where import where
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
 SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
+SHARE = 0.1  # of a gap, that the best of all names must explain, or the gap has another cause
 SELDOM = 2.0  # how many times surer a likelihood ratio must be, which trusts its noise, than t over blocks, which does not
 
 
@@ -62,8 +64,12 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     weights = weigh(state, int(prepared.judged.sum()))
     evidence = _evidence(prepared, state)
     mean = prepared.weighed.model.mean
-    enough = prepared.base.left - state.best.left > mean * max(SMALLEST, 0.5 * prepared.numerical) ** 2
-    if not (enough and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED):
+    least = mean * max(SMALLEST, 0.5 * prepared.numerical) ** 2
+    explained = prepared.base.left - state.best.left
+    named = explained > max(least, SHARE * (prepared.base.left - state.floor)) and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
+    if not named and structural(prepared.weighed, prepared.judged, prepared.base.fit):
+        verdict, best, chosen = "unknown", state.best, [Weight(None, 1.0, 1.0)]
+    elif not named:
         verdict, best, chosen = _nothing(prepared), prepared.base, []
     else:
         chosen = credible(weights)

@@ -16,7 +16,7 @@ def candidates(machine: Machine, channels: tuple[str, ...]) -> list[Candidate]:
     sets = [s for size in range(1, len(machine.joints) + 1) for s in combinations(joints, size)]
     found = []
     for name, form in machine.forms:
-        if missing(name, machine, channels):
+        if "staircase" in library()[name].needs or missing(name, machine, channels):
             continue
         found += [Candidate(name, form.name, s) for s in ([tuple(joints)] if form.acts == "pair" else sets)]
     return found
@@ -29,8 +29,6 @@ def missing(effect: str, machine: Machine, channels: tuple[str, ...]) -> str:
         return "the machine does not touch the ground"
     if "deflections" in needs and len(channels) <= len(machine.joints):
         return "there is no sensor on the actuator's side"
-    if "quantised" in needs:
-        return "it is seen in the readings themselves"
     if "unnamed" in needs:
         return "it is no name"
     return ""

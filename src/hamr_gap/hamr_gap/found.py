@@ -111,14 +111,14 @@ def in_words(effects: tuple[Candidate, ...], joints: tuple[str, ...]) -> str:
 
 def _simulation(analysis: Analysis) -> dict:
     model = analysis.prepared.weighed.model
-    return {"substeps": model.substeps, "mean": model.mean, "held": model.record.held, "step": model.record.step}
+    return {"substeps": model.substeps, "mean": model.mean, "held": model.record.held, "step": model.record.step, "delay": model.delay}
 
 
 def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:
     prepared = analysis.prepared
     model, base = prepared.weighed.model, prepared.base.fit
     off = {row for c in best.effects for row, _ in c.rows(shape=False)}
-    nothing = Sensors.none(len(model.own))
+    nothing = replace(Sensors.none(len(model.own)), shift=-model.delay)
     x = {
         "raw": ((), np.zeros(0)), "retuned": (base.free, base.x), "after": (best.fit.free, best.fit.x),
         "removed": (best.fit.free, np.array([0.0 if f.row in off else v for f, v in zip(best.fit.free, best.fit.x, strict=True)])),

@@ -71,10 +71,10 @@ def left_of(weighed: Weighed, judged: np.ndarray, reading: np.ndarray) -> tuple[
     """Mean square, in units of the noise, by which readings (n, channels) miss the judged ones: of all, and (b,) of each block."""
     square = np.where(judged, ((weighed.model.target - reading) / weighed.sigma) ** 2, np.nan)
     rows = np.flatnonzero(judged.any(1))
-    return float(np.nanmean(square[rows])), np.array([np.nanmean(square[part]) for part in _blocks(weighed, rows)])
+    return float(np.nanmean(square[rows])), np.array([np.nanmean(square[part]) for part in blocks_of(weighed, rows)])
 
 
-def _blocks(weighed: Weighed, rows: np.ndarray) -> list[np.ndarray]:
+def blocks_of(weighed: Weighed, rows: np.ndarray) -> list[np.ndarray]:
     """Judged readings in blocks: what starts anew together belongs together, where there are enough of them."""
     own = np.searchsorted(weighed.model.starts, rows, side="right")
     each = [rows[own == k] for k in np.unique(own)]

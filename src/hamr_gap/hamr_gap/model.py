@@ -15,6 +15,7 @@ from hamr_dynamics.machine import Machine
 from .parameters import Free, lanes
 from .pieces import Pieces, pieces_of
 from .record import Record
+from .sensors import late
 
 BAND = 1000.0  # readings a second that are kept: what HAMR's legs do is slower
 
@@ -26,6 +27,7 @@ class Model:
     Attributes:
         substeps: steps per sample. mean: samples averaged into one reading.
         scales: what is usual on this machine. piece: T of a piece, 0 for what suits the machine.
+        delay: T by which readings are late, which is simulated as drives that are: in open loop the same, and exact for any sensor.
         target: (n, channels) averaged readings. own: indices of the record's channels among the machine's.
         pieces: parts that start anew, None for one free run from rest.
     """
@@ -36,6 +38,7 @@ class Model:
     mean: int
     scales: Scales
     piece: float = 0.0
+    delay: float = 0.0
     pieces: Pieces | None = field(init=False)
     target: np.ndarray = field(init=False)
     own: list[int] = field(init=False)
@@ -45,7 +48,7 @@ class Model:
     def __post_init__(self) -> None:
         self.target = self.record.averaged(self.mean)
         self.own = [self.machine.channels.index(name) for name in self.record.channels]
-        self.drives = self.record.fine(self.substeps)
+        self.drives = delayed(self.record.fine(self.substeps), self.delay * self.substeps / self.record.step)
         self.neutral = self.machine.neutral(self.scales)
         self.pieces = pieces_of(self.machine, self.record, self.mean, self.piece)
         if self.pieces is not None:
@@ -75,8 +78,8 @@ class Model:
 
     @cached_property
     def plain(self) -> np.ndarray:
-        """(n, channels) of the machine as given."""
-        return self.runs((), np.zeros(0))[0]
+        """(n, channels) of the machine as given, its sensors on time."""
+        return late(self.runs((), np.zeros(0))[0], -self.delay, self.reading_step, self.starts)
 
     def run_rows(self, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, rows) lane parameters; the first `samples` readings if said."""
@@ -122,6 +125,12 @@ class Model:
             )  # fmt: skip
         state[:, motion] = np.tile(pieces.start[chosen], (sets, 1))
         return state
+
+
+def delayed(drives: np.ndarray, steps: float) -> np.ndarray:
+    """(n, joints) drives, each held for a step, by any number of steps later or earlier; before the first and after the last they rest."""
+    at = np.arange(len(drives)) - steps
+    return np.stack([np.interp(at, np.arange(len(drives)), u) for u in drives.T], 1) if steps else drives
 
 
 def scales_of(machine: Machine, record: Record) -> Scales:

@@ -52,6 +52,9 @@ def prepare(machine: Machine, record: Record) -> Prepared:
     # between samples a drive was smooth, or held: what fits better was the case
     tried = [_tuned(machine, replace(record, held=held)) for held in ((False, True) if record.drives_per_reading == 1 else (True,))]
     weighed, found, roles, noise = min(tried, key=lambda t: np.sum((_rms(t[0], t[1].reading) / t[3]) ** 2))
+    if weighed.model.pieces is None:
+        weighed = _on_time(weighed, found.sensors.shift)
+        found = fit(weighed, found.free, found.x)
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
         substeps *= 2
@@ -65,6 +68,12 @@ def prepare(machine: Machine, record: Record) -> Prepared:
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
     return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, numerical)
+
+
+def _on_time(weighed: Weighed, shift: float) -> Weighed:
+    """With the clocks' shift in the model, so that what sensors do besides is done to what they see."""
+    model, coarse = (replace(m, delay=shift) for m in (weighed.model, weighed.coarse))
+    return replace(weighed, model=model, coarse=coarse)
 
 
 def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.ndarray]:

@@ -14,6 +14,7 @@ from .hypothesis import Hypothesis, Start, refine, residual, starts
 from .parameters import Candidate
 from .record import noise_of
 from .screen import Screen, screen
+from .staircase import staircases, with_stairs
 from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
@@ -82,6 +83,9 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
         state.tried += new
         if min((h.left for h in new), default=before) - state.floor > 0.7 * (before - state.floor):
             break
+    if stairs := staircases(weighed, state.best.fit):
+        report("steps of sensors")  # seen by themselves, they belong to every answer
+        state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
     state.floor = noise_floor(weighed, judged, state.best)
     return state
 

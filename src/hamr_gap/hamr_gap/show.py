@@ -64,7 +64,7 @@ def _model(machine: Machine, found: Found, record: Record, piece: float = 0.0) -
     substeps = max(1, round(how["substeps"] * record.step / how["step"] / per)) * per
     mean = max(1, round(how["mean"] * how["step"] / record.step))
     held = replace(record, held=how["held"])
-    return Model(machine, held, substeps, mean, scales_of(machine, held), piece)
+    return Model(machine, held, substeps, mean, scales_of(machine, held), piece, found.simulation["delay"])
 
 
 def _settled(model: Model) -> np.ndarray:

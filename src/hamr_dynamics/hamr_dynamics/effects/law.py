@@ -213,7 +213,8 @@ class Effect:
     Attributes:
         name, part (of `PARTS`), summary: one sentence. forms: in order of simplicity.
         contains: names that this one holds as a special case. same_as: other name -> the condition under which no data tell them apart.
-        needs: why a run may not show it at all: "ground", "deflections", "closed loop", "hold"; empty for any run.
+        needs: why a run may not show it at all: "ground", "deflections", "closed loop", "hold"; "staircase" for what no derivative
+            leads to and a look of its own finds; empty for any run.
         experiment: what shows it best. source: where the law and its size come from.
     """
 

@@ -1,0 +1,99 @@
+"""Sensors with coarse steps: found in how the residual hangs on the angle, for no derivative leads to them.
+
+A sensor that knows multiples of a step adds a sawtooth of the angle to what it reads, whose first harmonic has the step over pi as
+its size. The residual, summed over narrow classes of the simulated angle and transformed, shows it as a line of just that height.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .fit import Fit
+from .hypothesis import Hypothesis, judge
+from .parameters import Candidate, Free, effect_parameters
+from .record import rounding
+from .sensors import Sensors, late
+from .weighed import Weighed
+
+CLASSES = 1 << 14  # of the angle
+FINER = 8  # points of the spectrum between two lines that the travel tells apart
+FEWEST = 4.0  # steps in the whole travel
+LINE = 40.0  # of the summed square, that a line has over the mean: chance gives 16 in one of a thousand records
+HEIGHT = (0.6, 1.3)  # of the first harmonic, over step / pi
+
+
+@dataclass(frozen=True, slots=True)
+class Staircase:
+    """Of one joint's sensor: step and offset of its readings, Q; spread of the step found."""
+
+    step: float
+    offset: float
+    spread: float
+
+
+def staircases(weighed: Weighed, found: Fit) -> dict[int, Staircase]:
+    """Joint -> its sensor's steps, where they show beside a fit; sensors whose readings are multiples of a step have no secret."""
+    model, record = weighed.model, weighed.model.record
+    each = replace(model, mean=1)
+    run = late(each.runs(found.free, found.x)[0], found.sensors.shift, record.step, each.starts)
+    left = record.readings - ((1.0 + found.sensors.gain) * run + found.sensors.bias)
+    seen = {}
+    for c, own in enumerate(model.own):
+        if own < len(model.machine.joints) and rounding(record.readings[:, c]) == 0.0:
+            known = np.isfinite(left[:, c])
+            if stairs := staircase(run[known, c], left[known, c]):
+                seen[own] = stairs
+    return seen
+
+
+def staircase(angle: np.ndarray, left: np.ndarray) -> Staircase | None:
+    """The steps that a residual (n,) shows over the angle (n,), if any."""
+    low, travel = angle.min(), np.ptp(angle)
+    if travel == 0.0:
+        return None
+    left = left - left.mean()
+    count = len(left)
+    summed = np.bincount(np.minimum(((angle - low) / travel * CLASSES).astype(int), CLASSES - 1), left, CLASSES)
+    spectrum = np.fft.rfft(summed, FINER * CLASSES)[: FINER * CLASSES // 8]
+    power = np.abs(spectrum) ** 2 / np.sum(left**2)
+    steps_in_travel = np.arange(len(power)) / FINER
+    first = int(FEWEST * FINER)
+    height = 2.0 * np.pi * np.abs(spectrum[first:]) / count * steps_in_travel[first:] / travel  # over step / pi
+    fits = (power[first:] > LINE) & (HEIGHT[0] < height) & (height < HEIGHT[1])
+    if not fits.any():
+        return None
+    k = first + int(np.argmax(np.where(fits, power[first:], 0.0)))
+    # read - angle is a sum over m of step / (pi m) (-1)^m sin(2 pi m (angle - offset) / step): about -sin for m = 1, a phase of +90 degrees
+    about = travel / steps_in_travel[k]
+    near = about * (1.0 + np.linspace(-0.25, 0.25, 81) / steps_in_travel[k])
+    best = max(near.tolist(), key=lambda step: abs(np.sum(left * np.exp(-2j * np.pi * angle / step))))
+    phase = np.angle(np.sum(left * np.exp(-2j * np.pi * angle / best)))
+    offset = -(phase - 0.5 * np.pi) / (2.0 * np.pi) * best
+    return Staircase(best, float((offset + 0.5 * best) % best - 0.5 * best), float(best**2 / travel / np.sqrt(power[k])))
+
+
+def with_stairs(weighed: Weighed, judged: np.ndarray, h: Hypothesis, stairs: dict[int, Staircase]) -> Hypothesis:
+    """A hypothesis with the steps of some sensors besides; nothing else is fitted anew, for steps move nothing on the average."""
+    effect = Candidate("sensor_quantisation", "rounding", tuple(sorted(stairs)))
+    pinned = [_pinned(free, stairs[int(free.row.rsplit(".", 1)[1])]) for free in effect_parameters([effect], weighed.model.scales)]
+    return judge(weighed, judged, (*h.effects, effect), _read(weighed, h.fit, pinned))
+
+
+def _pinned(free: Free, stairs: Staircase) -> Free:
+    """A parameter that stays where it was found."""
+    step = ".step." in free.row
+    x = (stairs.step if step else stairs.offset) / free.scale
+    return replace(free, low=x, high=x, center=x, sd=(stairs.spread if step else stairs.step / 10.0) / free.scale)
+
+
+def _read(weighed: Weighed, found: Fit, pinned: Sequence[Free]) -> Fit:
+    """A fit with pinned parameters besides, its sensors solved for anew."""
+    free, x = (*found.free, *pinned), np.append(found.x, [f.center for f in pinned])
+    run = weighed.model.runs(free, x)[0]
+    s, cost = weighed.solve_sensors(run[: weighed.until], found.sensors.shift)
+    sensors: Sensors = weighed.sensors(s)
+    reading = sensors.read(run, weighed.model.reading_step, weighed.model.starts)
+    return Fit(free, x, sensors, run, reading, cost, found.converged)

@@ -1,0 +1,31 @@
+"""Whether what a model leaves of the readings is noise, whatever the law behind it may be.
+
+Sensors on the two sides of a transmission have noise of their own, white or not: what both of them show is motion that the model lacks.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .fit import Fit
+from .hypothesis import blocks_of, residual
+from .weighed import Weighed
+
+SHARED = 1.0  # rms in noise of a sample, that both sensors of a joint must show
+OFTEN = 0.2  # of the blocks, in which they must: a hit that the model has a little late is no law
+
+
+def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
+    """Whether both sensors of a joint show the same beside a fit; False where no joint has two."""
+    both = shared(weighed, judged, found)
+    return len(both) > 0 and float(np.quantile(both, 1.0 - OFTEN)) > weighed.model.mean * SHARED**2
+
+
+def shared(weighed: Weighed, judged: np.ndarray, found: Fit) -> np.ndarray:
+    """(b,) mean product of what both sensors of a joint show beside a fit, in units of their noise, of each block; empty for one sensor."""
+    model = weighed.model
+    joints = len(model.machine.joints)
+    pairs = [(c, model.own.index(own + joints)) for c, own in enumerate(model.own) if own < joints and own + joints in model.own]
+    left = residual(weighed, found)
+    rows = np.flatnonzero(judged.any(1))
+    return np.array([np.nanmean([left[part, a] * left[part, b] for a, b in pairs]) for part in blocks_of(weighed, rows) if pairs])
