@@ -1,6 +1,6 @@
 """The benchmark: draw, publish the hash, solve blind in two processes, score. Interrupted runs go on where they were.
 
-    python -m hamr_gap.bench --set development --singles 40 --pairs 10 --nulls 20 --out out/gap_bench
+    hamr gap bench --set development --singles 40 --pairs 10 --nulls 20 --out out/gap_bench
 """
 
 from __future__ import annotations
@@ -21,13 +21,17 @@ from . import cases, score
 def bench(
     out: Path, *, set: str = "development", singles: int = 0, pairs: int = 0, triples: int = 0, nulls: int = 0, outside: int = 0,
     twins: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0, workers: int = 2, verdicts: str = "verdicts",
-) -> None:  # fmt: skip
-    """Runs cases of a set and prints the scoreboard.
+) -> dict[str, str]:  # fmt: skip
+    """Runs cases of a set.
 
     Args:
         out: folder of cases, answers and verdicts. set: development, calibration or report; each has seeds of its own.
         singles: how many of each group. first: index of the first.
+        strength: of each effect, in floors. seconds: of each record. workers: processes.
         verdicts: name of the folder of verdicts, for another version of the solver on the same cases.
+
+    Returns:
+        The scoreboard: what was counted -> its share with a 95 % interval.
     """
     wanted = {"single": singles, "pair": pairs, "triple": triples, "null": nulls, "outside": outside, "twins": twins}
     jobs = [(group, first + i) for group, count in wanted.items() for i in range(count)]
@@ -36,7 +40,7 @@ def bench(
     _each(workers, "draw", [[sys.executable, "-m", "hamr_gap.bench.draw", str(out), group, set, str(i), str(strength), str(seconds)]
                             for group, i in jobs if not (out / "answers" / f"{cases.number(group, set, i)}.json").exists()])  # fmt: skip
     names = [name for name in names if (out / "answers" / f"{name}.json").exists()]
-    sys.stdout.write(f"answers sha256 {cases.digest(out, names)}\n")
+    sys.stderr.write(f"answers sha256 {cases.digest(out, names)}\n")
     todo = [name for name in names if not (out / verdicts / f"{name}.json").exists()]
     with tempfile.TemporaryDirectory() as elsewhere:
         for name in todo:
@@ -46,8 +50,7 @@ def bench(
         _each(workers, "solve", [[sys.executable, "-m", "hamr_gap.bench.solve", f"{elsewhere}/{name}/case.npz",
                                   str((out / verdicts / f"{name}.json").resolve())] for name in todo])  # fmt: skip
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
-    for label, value in score.table(done):
-        sys.stdout.write(f"| {label} | {value} |\n")
+    return dict(score.table(done))
 
 
 def _each(workers: int, what: str, commands: list[list[str]]) -> None:
