@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,8 +117,15 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
     return Verdict(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
         gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
-        detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None, notes=(),
+        detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None, notes=degenerate(answers),
     )  # fmt: skip
+
+
+def degenerate(answers: Sequence[Answer]) -> tuple[str, ...]:
+    """What the names of an answer cannot be told from, and when."""
+    named = dict.fromkeys(e.effect for answer in answers for e in answer.effects)
+    same = ((name, other, when) for name in named for other, when in (library()[name].same_as or {}).items())
+    return tuple(f"{name} is the same as {other} {when}." for name, other, when in same)
 
 
 def _forms(state: Search, answer: Hypothesis) -> dict[str, float]:

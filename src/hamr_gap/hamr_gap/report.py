@@ -43,7 +43,7 @@ def write_report(found: Mapping, pictures: Mapping[str, plots.Arrays], path: Pat
     for name, own in found["machines"].items():
         if name in pictures:
             body += _machine(name, own, shown["machines"][name], pictures[name], effect=effect)
-    body += [_changes(found), _silent(found), "<h2>To know besides</h2>", _list(found["notes"]), _files(found)]
+    body += [_changes(found), _visible(found), _silent(found), "<h2>To know besides</h2>", _list(found["notes"]), _files(found)]
     html = f"<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>{escape(first)}</title><style>{CSS}</style></head><body>"
     path.write_text(f"{html}{''.join(body)}</body></html>\n")
 
@@ -110,6 +110,15 @@ def _changes(found: Mapping) -> str:
     ]
     about = "<p>What was added to the model's own parameters beside the effects (gain: relative).</p>"
     return "<h2>Re-tuned parameters</h2>" + about + _table(["parameter", "joint", "change", "95 % interval"], rows)
+
+
+def _visible(found: Mapping) -> str:
+    rows = [
+        [effect, joint, size]
+        for own in found["machines"].values() for effect, joints in own["detectable"].items() for joint, size in joints.items()
+    ]  # fmt: skip
+    about = "<p>The smallest size of each effect alone that would have stood out, after a re-tune; for the simplest form of each name.</p>"
+    return "<h2>What these data would have shown</h2>" + about + _table(["effect", "joint", "smallest size"], rows)
 
 
 def _silent(found: Mapping) -> str:
