@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+LITTLE = 0.01  # of a reading's step, that first order serves as well
 TAPS = np.arange(-3, 4)  # readings that a late one is interpolated from
 
 
@@ -34,8 +35,8 @@ class Sensors:
 
 def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -> np.ndarray:
     """(..., n, channels) of a run, `shift` later: by polynomials of degree six through its readings, in short pieces to first order."""
-    if starts:
-        return y - shift * slope(y, step, starts)
+    if starts or abs(shift) < LITTLE * step:
+        return y - shift * slope(y, step, starts) if shift else y
     whole = round(shift / step)
     part = shift / step - whole
     reach = int(TAPS[-1]) + abs(whole)
@@ -58,7 +59,9 @@ def _weight(j: int, x: float) -> float:
 
 def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
     """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
-    found = np.gradient(y, step, axis=-2)
+    found = np.empty_like(y)
+    found[..., 1:-1, :] = (y[..., 2:, :] - y[..., :-2, :]) * (0.5 / step)
+    found[..., 0, :], found[..., -1, :] = (y[..., 1, :] - y[..., 0, :]) / step, (y[..., -1, :] - y[..., -2, :]) / step
     inside = [start for start in starts if start + 1 < y.shape[-2]]
     for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
         found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step

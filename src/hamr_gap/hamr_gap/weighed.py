@@ -34,9 +34,24 @@ class Weighed:
         """Readings up to the last that counts: further than that a fit need not simulate."""
         return int(np.flatnonzero(self.chosen.any(1))[-1]) + 1
 
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """(m,) where the readings that count lie in a run laid out flat."""
+        return np.flatnonzero(self.chosen[: self.until])
+
+    @cached_property
+    def _weights(self) -> np.ndarray:
+        """(m, channels) one over the noise of each reading that counts, in the column of its channel."""
+        channel = self._places % len(self.sigma)
+        return np.eye(len(self.sigma))[channel] / self.sigma[channel, None]
+
+    @cached_property
+    def _weight(self) -> np.ndarray:
+        return self._weights.sum(1)
+
     def vector(self, y: np.ndarray) -> np.ndarray:
         """Weighted readings that count, (m,), of (n, channels) or (K, m) of (K, n, channels), n at least `until`."""
-        return (y[..., : self.until, :] / self.sigma)[..., self.chosen[: self.until]]
+        return y.reshape(*y.shape[:-2], -1).take(self._places, axis=-1) * self._weight
 
     @property
     def biased(self) -> tuple[int, ...]:
@@ -51,17 +66,16 @@ class Weighed:
 
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
         """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part, about a run (late already)."""
-        columns = []
-        for c in self.biased:
-            bias = np.zeros_like(run)
-            bias[:, c] = self.sigma[c]  # in units of noise, so that columns are alike in size
-            columns.append(bias)
-        for c in self.gains:
-            gain = np.zeros_like(run)
-            gain[:, c] = run[:, c]
-            columns.append(gain)
-        columns.append(-slope(run, self.model.reading_step, self.model.starts) * self.model.reading_step)
-        return self.vector(np.stack(columns)).T
+        step = self.model.reading_step
+        moved = run.reshape(-1).take(self._places)[:, None]
+        gains = moved * self._weights[:, list(self.gains)]
+        shift = -step * self.vector(slope(run, step, self.model.starts))[:, None]
+        return np.hstack([self._biases, gains, shift])
+
+    @cached_property
+    def _biases(self) -> np.ndarray:
+        """(m, biases), each in units of its channel's noise, so that columns are alike in size."""
+        return self._weights[:, list(self.biased)] * self.sigma[list(self.biased)]
 
     @cached_property
     def sensor_precision(self) -> np.ndarray:
