@@ -15,6 +15,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from hamr_description.errors import ConfigError
+
 from . import cases, score
 
 
@@ -32,8 +34,13 @@ def bench(
 
     Returns:
         The scoreboard: what was counted -> its share with a 95 % interval.
+
+    Raises:
+        ConfigError: no case was asked for.
     """
     wanted = {"single": singles, "pair": pairs, "triple": triples, "null": nulls, "outside": outside, "twins": twins}
+    if not any(wanted.values()):
+        raise ConfigError("No case was asked for; say how many of each kind, as in --singles 4 --nulls 2.")
     jobs = [(group, first + i) for group, count in wanted.items() for i in range(count)]
     names = [cases.number(group, set, i) for group, i in jobs]
     (out / verdicts).mkdir(parents=True, exist_ok=True)
