@@ -147,8 +147,10 @@ def test_play_leaves_the_actuators_spring_out_and_stops_never_pull():
 
 def test_a_coarse_sensor_knows_multiples_only():
     law = find("sensor_quantisation")
-    found = [float(law.law(Signal(y, H), {"step": 0.1}, ())[0]) for y in (0.04, 0.06, -0.26)]
+    found = [float(law.law(Signal(y, H), {"step": 0.1, "offset": 0.0}, ())[0]) for y in (0.04, 0.06, -0.26)]
     assert found == pytest.approx([0.0, 0.1, -0.3])
+    found = [float(law.law(Signal(y, H), {"step": 0.1, "offset": 0.02}, ())[0]) for y in (0.04, 0.08, -0.26)]
+    assert found == pytest.approx([0.02, 0.12, -0.28])  # multiples counted from where it reads as it is
 
 
 def pair(q, v=(0.0, 0.0), drive=(0.3, -0.2)) -> Pair:

@@ -16,7 +16,7 @@ def candidates(machine: Machine, channels: tuple[str, ...]) -> list[Candidate]:
     sets = [s for size in range(1, len(machine.joints) + 1) for s in combinations(joints, size)]
     found = []
     for name, form in machine.forms:
-        if "staircase" in library()[name].needs or missing(name, machine, channels):
+        if not library()[name].smooth or missing(name, machine, channels):
             continue
         found += [Candidate(name, form.name, s) for s in ([tuple(joints)] if form.acts == "pair" else sets)]
     return found

@@ -213,8 +213,8 @@ class Effect:
     Attributes:
         name, part (of `PARTS`), summary: one sentence. forms: in order of simplicity.
         contains: names that this one holds as a special case. same_as: other name -> the condition under which no data tell them apart.
-        needs: why a run may not show it at all: "ground", "deflections", "closed loop", "hold"; "staircase" for what no derivative
-            leads to and a look of its own finds; empty for any run.
+        needs: why a run may not show it at all: "ground", "deflections", "closed loop", "hold"; empty for any run.
+        smooth: whether readings change little by little with its sizes, so that derivatives lead to them.
         experiment: what shows it best. source: where the law and its size come from.
     """
 
@@ -227,6 +227,7 @@ class Effect:
     contains: tuple[str, ...] = ()
     same_as: Mapping[str, str] | None = None
     needs: tuple[str, ...] = ()
+    smooth: bool = True
 
     def form(self, name: str) -> Form:
         """The form of a name; KeyError if there is none."""

@@ -26,5 +26,5 @@ EFFECT = Effect(
     ),
     experiment="slow motion: the readings themselves show the steps",
     source="gap_method 3.2",
-    needs=("staircase",),
+    smooth=False,
 )  # fmt: skip

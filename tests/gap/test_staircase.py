@@ -1,0 +1,41 @@
+"""Sensors with coarse steps, found in a residual: against staircases made here, and silence where there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hamr_gap.sensors import late
+from hamr_gap.staircase import staircase
+
+TIME = np.arange(24000) / 4000.0
+ANGLE = 0.15 * np.sin(2 * np.pi * 13.0 * TIME) + 0.08 * np.sin(2 * np.pi * 29.3 * TIME + 1.0)
+NOISE = np.random.default_rng(0).standard_normal(len(TIME))
+
+
+@given(st.floats(0.004, 0.04), st.floats(-0.5, 0.5))
+def test_step_and_offset_are_found(step, share):
+    offset = share * step
+    read = step * np.floor((ANGLE - offset) / step + 0.5) + offset
+    seen = staircase(ANGLE, read - ANGLE + 1e-3 * NOISE)
+    assert seen.step == pytest.approx(step, rel=3e-3)
+    wrong = (seen.offset - offset + 0.5 * step) % step - 0.5 * step
+    assert abs(wrong) < 0.05 * step
+
+
+@pytest.mark.parametrize("left", [1e-3 * NOISE, 0.3 * ANGLE**3, 2e-3 * np.sign(ANGLE), 1e-3 * np.sin(2 * np.pi * ANGLE / 0.03)])
+def test_noise_and_laws_of_the_angle_are_no_steps(left):
+    """The last has the period of a staircase, but not its height."""
+    assert staircase(ANGLE, left + 1e-4 * NOISE) is None
+
+
+@given(st.floats(-3.0, 3.0))
+def test_a_late_reading_is_the_signal_late(shift):
+    y = np.stack([ANGLE, np.cos(2 * np.pi * 40.0 * TIME)], 1)[::4]
+    exact = np.stack([
+        0.15 * np.sin(2 * np.pi * 13.0 * (TIME - shift * 1e-3)) + 0.08 * np.sin(2 * np.pi * 29.3 * (TIME - shift * 1e-3) + 1.0),
+        np.cos(2 * np.pi * 40.0 * (TIME - shift * 1e-3)),
+    ], 1)[::4]  # fmt: skip
+    assert np.abs(late(y, shift * 1e-3, 1e-3) - exact)[10:-10].max() < 1e-5
