@@ -13,7 +13,8 @@ from .screen import BATCH, Screen, Solution
 from .sensors import late
 from .weighed import Weighed
 
-STEPS = np.array([1.0, 0.4, 0.15])  # shares of a linear solution that are simulated
+#: Shares of a linear solution that are simulated: of its re-tune, which may lead astray where the base is far off, and of its effects.
+STEPS = ((1.0, 1.0), (0.4, 0.4), (0.15, 0.15), (0.0, 0.15))
 BLOCKS = 24  # of the judged readings, for spread
 FEWEST = 6  # pieces that are blocks of their own
 
@@ -87,8 +88,8 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
     known = {f.row for f in base.free}
     for effects, solution in wanted:
         free = (*base.free, *(f for f in effect_parameters(effects, weighed.model.scales) if f.row not in known))
-        for share in STEPS:
-            prepared.append((tuple(effects), free, _at(free, base, seen, solution, share)))
+        for shares in STEPS:
+            prepared.append((tuple(effects), free, _at(free, base, seen, solution, *shares)))
     model, until = weighed.coarse or weighed.model, weighed.until
     coarse = base.run[:until] - model.runs(base.free, base.x, until)[0]  # what coarser steps do is known
     target = weighed.vector(model.target)
@@ -107,10 +108,10 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
     return list(found.values())
 
 
-def _at(free: Sequence[Free], base: Fit, seen: Screen, solution: Solution, share: float) -> np.ndarray:
-    """(P,) a share of the way to a linear solution; sizes strictly inside their bounds, shapes as screened."""
+def _at(free: Sequence[Free], base: Fit, seen: Screen, solution: Solution, retune: float, share: float) -> np.ndarray:
+    """(P,) shares of the way to a linear solution, for its re-tune and for its effects; sizes strictly inside their bounds, shapes as screened."""
     n = len(base.free)
-    x = dict(zip((f.row for f in base.free), base.x + share * solution.value[:n], strict=True))
+    x = dict(zip((f.row for f in base.free), base.x + retune * solution.value[:n], strict=True))
     old = dict(zip((f.row for f in base.free), base.x, strict=True))
     for c, v in zip(solution.chosen, solution.value[seen.fixed :], strict=True):
         column = seen.columns[c]

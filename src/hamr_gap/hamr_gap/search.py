@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from .candidates import candidates
-from .fit import Fit
+from .fit import Fit, fit
 from .hypothesis import Hypothesis, Start, refine, residual, starts
 from .parameters import Candidate
 from .record import noise_of
@@ -70,6 +70,8 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     state = Search(base, seen)
     report("singles")
     alone = _singles(weighed, base.fit, seen, everything)
+    given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
+    alone += _singles(weighed, given, _look(weighed, given, everything, like=base.fit), everything)
     state.tried += [refine(weighed, judged, start) for start in _forms(alone)]
     for size in range(2, LARGEST + 1):
         state.floor = noise_floor(weighed, judged, state.best)
@@ -90,8 +92,9 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     return state
 
 
-def _look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate]) -> Screen:
-    left = residual(weighed, about)[weighed.chosen]
+def _look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None) -> Screen:
+    """The linear picture about a fit, of responses about as large as what a fit (that one, if not another) leaves."""
+    left = residual(weighed, like or about)[weighed.chosen]
     return screen(weighed, about, wanted, amplitude=float(np.sqrt(np.mean(left**2))))
 
 

@@ -56,8 +56,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
         if left < 1.0:
             places = sum(len(c.places) - 1 for c in h.effects)
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
-            assumed = sum(library()[c.effect].smooth for c in h.effects)  # others carry evidence of their own
-            price = ANOTHER_EFFECT * (assumed > 1) + ONE_MORE * max(assumed - 2, 0)
+            price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
             price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
     score = np.array([s for _, _, s in found])
