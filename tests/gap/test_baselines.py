@@ -98,7 +98,8 @@ def test_the_residual_force_is_the_springs(bent):
     """With the model's own numbers, not the re-tuned ones: what is missing is -cubic q^3, whatever the readings' noise."""
     base = bent.base.fit
     plain = replace(base, x=np.zeros_like(base.x), sensors=base.sensors.none(1), run=bent.weighed.model.plain)
-    forces = forces_of(replace(bent, base=replace(bent.base, fit=plain)))
+    on_time = replace(bent.weighed, model=replace(bent.weighed.model, delay=0.0))
+    forces = forces_of(replace(bent, weighed=on_time, base=replace(bent.base, fit=plain)))
     force = -CUBIC * angles(CUBIC)[:, None] ** 3
     force[:-1] = 0.5 * (force[:-1] + force[1:])  # the mean until the next reading
     expected = low_pass(force, forces.motion.cutoff)

@@ -9,8 +9,8 @@ import numpy as np
 from hamr_dynamics import machine_kernel
 
 from ...hypothesis import judge
+from ...model import Model
 from ...prepare import Prepared
-from ...record import Record
 from ...weigh import better
 from .forces import forces_of
 from .result import Path, Step
@@ -60,9 +60,9 @@ def network(prepared: Prepared, *, seed: int = 0) -> Path:
 
 def seen_by(prepared: Prepared, moving: np.ndarray) -> np.ndarray:
     """(n, inputs) of coordinates and rates (n, 2 joints) at every sample: these and the drives, now and some readings back."""
-    record, mean = prepared.weighed.model.record, prepared.weighed.model.mean
-    now = np.hstack([moving, _drives(record)])
-    return np.hstack([np.concatenate([np.repeat(now[:1], lag * mean, 0), now[: len(now) - lag * mean]]) for lag in LAGS])
+    model = prepared.weighed.model
+    now = np.hstack([moving, _drives(model)])
+    return np.hstack([np.concatenate([np.repeat(now[:1], lag * model.mean, 0), now[: len(now) - lag * model.mean]]) for lag in LAGS])
 
 
 def train(inputs: np.ndarray, force: np.ndarray, fits: np.ndarray, judges: np.ndarray, *, seed: int) -> Network:
@@ -101,7 +101,7 @@ def simulated(prepared: Prepared, inside: Network) -> np.ndarray:
     rows = model.rows(base.free, base.x)
     push = [machine.parameter_rows.index(f"change.preload.{j}") for j in range(n)]
     preload, slip = rows[0, push].copy(), [machine.state_rows.index(f"slip.{j}") for j in range(n)]
-    drives, back = _drives(record), model.mean * np.array(LAGS)
+    drives, back = _drives(model), model.mean * np.array(LAGS)
     samples = len(model.target) * model.mean
     moving = np.zeros((samples, 2 * n))
     slips = np.zeros((samples, n))
@@ -118,6 +118,6 @@ def simulated(prepared: Prepared, inside: Network) -> np.ndarray:
     return read.reshape(len(model.target), model.mean, -1).mean(1)
 
 
-def _drives(record: Record) -> np.ndarray:
+def _drives(model: Model) -> np.ndarray:
     """(n, joints) mean drive of each sample."""
-    return record.drives.reshape(len(record), record.drives_per_reading, -1).mean(1)
+    return model.drives.reshape(len(model.record), model.substeps, -1).mean(1)

@@ -33,7 +33,7 @@ def baselines(out: File, *, cases: list[int], method: Literal["stepwise", "sindy
     """Runs a baseline on cases and writes a verdict file for each.
 
     Args:
-        out: folder that `python -m hamr_gap.bench` made. cases: their names.
+        out: folder that `hamr gap bench` made. cases: their names.
         verdicts: name of the folder of verdicts; the method's if not given.
     """
     folder = out / (verdicts or method)
@@ -51,7 +51,7 @@ def solved(case: File, method: Callable[[Prepared], Path]) -> dict:
         ConfigError: there is no such case, or the method needs a library that is not installed.
     """
     if not case.exists():
-        raise ConfigError(f"There is no case at {case}: draw it with `python -m hamr_gap.bench` first.")
+        raise ConfigError(f"There is no case at {case}: draw it with `hamr gap bench` first.")
     began = time.process_time()
     try:
         prepared = prepare(machine_of("simple", LEG), load(case))
