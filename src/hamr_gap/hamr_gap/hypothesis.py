@@ -111,7 +111,7 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
 def _at(
     free: Sequence[Free], base: Fit, seen: Screen, solution: Solution, retune: float, share: float,
 ) -> np.ndarray:  # fmt: skip
-    """(P,) shares of the way to a linear solution, for its re-tune and for its effects; sizes strictly inside their bounds, shapes as screened."""
+    """(P,) shares of the way to a linear solution, for its re-tune and for its effects; sizes inside their bounds, shapes as screened."""
     n = len(base.free)
     x = dict(zip((f.row for f in base.free), base.x + retune * solution.value[:n], strict=True))
     old = dict(zip((f.row for f in base.free), base.x, strict=True))
