@@ -54,7 +54,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
             continue
         left = max(h.left - state.floor, 0.0) / gap
         if left < 1.0:
-            places = sum(len(c.places) - 1 for c in h.effects)
+            places = sum(len(c.places) - 1 for c in h.effects if library()[c.effect].smooth)  # the others are seen at each joint by itself
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
             price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
             price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
