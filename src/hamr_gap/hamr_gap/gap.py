@@ -1,4 +1,4 @@
-"""`hamr gap` for bags of HAMR: every leg a machine of its own, one answer for all."""
+"""`hamr gap` for bags of HAMR. Hung up, every leg is a machine of its own, with one answer for all; on the ground the robot is one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hamr_dynamics.plant import plant
 
 from .found import Found
 from .legs import machine_of, record_of
-from .measured import Samples, read
+from .measured import Samples, environment, read
 from .progress import side_by_side
 from .record import Record, joined
 from .study import Part, conclude, stored
@@ -36,7 +36,7 @@ def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[
     """Find, name, add and show.
 
     Args:
-        measured: bags of suspended legs, of any recorder. out: folder for all that is found.
+        measured: bags of suspended legs, or of walks, of any recorder. out: folder for all that is found.
         backend: the model, a name of `hamr_dynamics.plant.HOMES`. holdout: bags that are opened only after the answer is fixed.
         seed: as of `found.find`.
 
@@ -49,6 +49,10 @@ def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[
     plant(backend)  # a wrong name is said before a long wait
     if lost := [bag for bag in holdout if not Path(bag).exists()]:
         raise BagError(f"There is no bag at {lost[0]}; give hold-out bags that exist.")
+    if any(_on_ground(bag) for bag in measured):
+        from .walking.study import run as on_ground  # whose kernels of the whole robot nothing else needs
+
+        return on_ground(measured, out, backend=backend, holdout=holdout, command=_command(measured, holdout, backend, out, seed))
     samples, refused = _opened(measured)
     records = _records(samples, refused)
     jobs = {leg: partial(_leg, backend, leg, record, out, seed) for leg, record in records.items()}
@@ -59,6 +63,13 @@ def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[
         raise BagError(" ".join(f"{name}: {why}" for name, why in refused.items()))
     opened = partial(_held_out, holdout, {leg: part.record.channels for leg, part in parts.items()}) if holdout else None
     return conclude(parts, out, holdout=opened, command=_command(measured, holdout, backend, out, seed), refused=refused, legs=True)
+
+
+def _on_ground(bag: Path) -> bool:
+    try:
+        return environment(bag) == "ground"
+    except BagError:
+        return False  # said where it is read
 
 
 def _opened(bags: Sequence[Path]) -> tuple[list[Samples], dict[str, str]]:

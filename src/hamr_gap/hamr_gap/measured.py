@@ -47,6 +47,17 @@ class Samples:
         return self.start + np.arange(len(self.angles)) / self.sample_hz
 
 
+def environment(bag: str | Path) -> str:
+    """Where a bag was recorded: "ground" or "suspended", which also stands for a bag that does not say.
+
+    Raises:
+        BagError: missing or damaged bag.
+    """
+    with open_bag(bag) as opened:
+        info = _conditions(opened)
+    return info.environment if info is not None else "suspended"
+
+
 def read(bag: str | Path) -> Samples:
     """Reads what a bag measured of suspended legs; effort, force, acceleration and most of /run_info are never looked at.
 
@@ -56,7 +67,7 @@ def read(bag: str | Path) -> Samples:
     with open_bag(bag) as opened:
         info = _conditions(opened)
         if info is not None and info.environment == "ground":
-            raise BagError(f"{bag} was recorded on the ground; hang the robot up and drive its legs, or study it as a machine of your own.")
+            raise BagError(f"{bag} was recorded on the ground, the others with the robot hung up; study the two kinds apart.")
         columns = {topic: _channel(opened, topic) for topic in FIELDS if topic != Topic.SERVO_ACTUATORS or opened.counts.get(topic)}
     joints = _joints(bag, columns)
     chosen = {topic: (time, np.stack([series[joint] for joint in joints], 1))
