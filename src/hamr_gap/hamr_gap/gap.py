@@ -52,7 +52,8 @@ def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[
     if any(_on_ground(bag) for bag in measured):
         from .walking.study import run as on_ground  # whose kernels of the whole robot nothing else needs
 
-        return on_ground(measured, out, backend=backend, holdout=holdout, command=_command(measured, holdout, backend, out, seed))
+        command = _command(measured, holdout, backend, out, seed)
+        return side_by_side({"robot": partial(on_ground, measured, out, backend, holdout, command)})["robot"]
     samples, refused = _opened(measured)
     records = _records(samples, refused)
     jobs = {leg: partial(_leg, backend, leg, record, out, seed) for leg, record in records.items()}

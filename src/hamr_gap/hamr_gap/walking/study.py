@@ -31,7 +31,7 @@ HORIZONS_MS = (8.0, 20.0, 50.0)
 DROPPED = "Drive and angle fix"
 
 
-def run(measured: Sequence[str | Path], out: Path, *, backend: str, holdout: Sequence[str | Path] = (), command: str = "",
+def run(measured: Sequence[str | Path], out: Path, backend: str, holdout: Sequence[str | Path] = (), command: str = "",
         report: Callable[[str], None] = lambda _: None) -> dict:  # fmt: skip
     """The study for bags from the ground.
 
