@@ -10,7 +10,6 @@ import numpy as np
 from .fit import Fit, fit
 from .parameters import Candidate, Free, effect_parameters
 from .screen import BATCH, Screen, Solution
-from .sensors import late
 from .weighed import Weighed
 
 #: Shares of a linear solution that are simulated: of its re-tune, which may lead astray where the base is far off, and of its effects.
@@ -93,7 +92,7 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
     model, until = weighed.coarse or weighed.model, weighed.until
     coarse = base.run[:until] - model.runs(base.free, base.x, until)[0]  # what coarser steps do is known
     target = weighed.vector(model.target)
-    basis = np.linalg.qr(weighed.sensor_columns(late(base.run, base.sensors.shift, model.reading_step, model.starts)))[0]
+    basis = np.linalg.qr(weighed.sensor_columns(weighed.moved(base.run, base.sensors.shift)))[0]
     found: dict[int, Start] = {}
     for at in range(0, len(prepared), BATCH):
         part = prepared[at : at + BATCH]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .parameters import Free
-from .sensors import Sensors, late
+from .sensors import Sensors
 from .weighed import Weighed
 
 DELTA = 1e-3  # of a parameter's prior, or of its scale where that is narrower
@@ -29,4 +29,4 @@ def jacobian(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndar
     probes = model.runs(free, x + np.diag(step), len(run)) if len(free) else ()
     base = read(run)
     columns = [(read(p) - base) / d for p, d in zip(probes, step, strict=True)]
-    return np.column_stack([*columns, weighed.sensor_columns(late(run, sensors.shift, model.reading_step, model.starts))])
+    return np.column_stack([*columns, weighed.sensor_columns(weighed.moved(run, sensors.shift))])

@@ -15,7 +15,6 @@ from .model import BAND, Model, scales_of
 from .parameters import changes
 from .record import Record, noise_of
 from .roles import Roles, mask, roles_of
-from .sensors import late
 from .weighed import Weighed
 
 FINEST = 16  # steps per sample, at most
@@ -128,6 +127,6 @@ def _moves(weighed: Weighed, found: Fit) -> float:
     finer = replace(weighed, model=replace(weighed.model, substeps=2 * weighed.model.substeps))
     run = finer.model.runs(found.free, found.x)[0]
     moved = weighed.vector(run - found.run)
-    columns = weighed.sensor_columns(late(found.run, found.sensors.shift, weighed.model.reading_step, weighed.model.starts))
+    columns = weighed.sensor_columns(weighed.moved(found.run, found.sensors.shift))
     moved = moved - columns @ np.linalg.lstsq(columns, moved, rcond=None)[0]
     return float(np.sqrt(np.mean(moved**2)) / np.sqrt(weighed.model.mean))

@@ -64,6 +64,10 @@ class Weighed:
         """Columns of `sensor_columns`."""
         return len(self.biased) + len(self.gains) + 1
 
+    def moved(self, run: np.ndarray, shift: float) -> np.ndarray:
+        """A run as late as it is read, about which sensors are linear; in short pieces, which are moved to first order, about no shift."""
+        return run if self.model.starts else late(run, shift, self.model.reading_step)
+
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
         """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part, about a run (late already)."""
         step = self.model.reading_step
@@ -94,11 +98,11 @@ class Weighed:
 
     def solve_sensors(self, run: np.ndarray, about: float = 0.0) -> tuple[np.ndarray, float]:
         """Best sensor coefficients for a run, and the half sum of squares that is left; `about`: shift near which they lie, T."""
-        step = self.model.reading_step
-        moved = late(run, about, step, self.model.starts)
+        about = 0.0 if self.model.starts else about
+        moved = self.moved(run, about)
         columns = self.sensor_columns(moved)
         residual = self.vector(self.model.target[: len(run)] - moved)
         s = np.linalg.solve(columns.T @ columns + np.diag(self.sensor_precision), columns.T @ residual)
         left = 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
-        s[-1] += about / step
+        s[-1] += about / self.model.reading_step
         return s, left
