@@ -118,7 +118,7 @@ def sparse(found: Dictionary) -> np.ndarray:
     try:
         from pysindy import STLSQ
     except ImportError:
-        raise ConfigError("Sparse regression needs PySINDy, which is not installed: pip install pysindy.") from None
+        raise ConfigError("Sparse regression needs PySINDy, which is not installed: pip install pysindy==2.1.0.") from None
     r = np.linalg.qr(found.fit, mode="r")  # the same least squares in as many rows as columns
     size = np.linalg.norm(r, axis=0)
     usable = size[:-1] > 1e-9 * size.max()
