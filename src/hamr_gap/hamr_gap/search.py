@@ -25,6 +25,7 @@ MORE = 6
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
+STEPPED = 0.9  # of what the best leaves, that it must leave at most with the steps of sensors that seem to show
 CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
 FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
 
@@ -85,7 +86,8 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
         state.tried += new
         if min((h.left for h in new), default=before) - state.floor > 0.7 * (before - state.floor):
             break
-    if stairs := staircases(weighed, state.best.fit):
+    stairs = staircases(weighed, state.best.fit)
+    if stairs and with_stairs(weighed, judged, state.best, stairs).left < STEPPED * state.best.left:
         report("steps of sensors")  # seen by themselves, they belong to every answer
         state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
     state.floor = noise_floor(weighed, judged, state.best)
