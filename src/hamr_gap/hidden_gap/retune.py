@@ -1,7 +1,7 @@
 """How well the leg without an effect explains a run once its parameters are tuned again, in floors of the sensor noise.
 
 Tuned: drive gain, stiffness, damping, inertia and preload of each joint, gain and bias of each channel, one common time shift;
-by Gauss-Newton steps with the machine itself, along finite differences taken from rough runs (two steps a sample).
+by Gauss-Newton steps with the machine itself, along finite differences taken from rough runs (one or two steps a sample).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from hamr_description.simple_constants import simple_constants
 from hamr_description.units import length_to_si, time_from_si
 
 from .case import JOINTS, Effect, Truth
@@ -30,6 +31,9 @@ ALLOWED = np.array([LEEWAY.get(kind, FACTOR_LEEWAY) for kind in KINDS])
 IS_FACTOR = np.array([kind in FACTORS for kind in KINDS])
 #: Longest step, in leeways; how much more than foreseen may be left, if directions are old, and in the end; how much that may change.
 LONGEST, STALE, AS_FORESEEN, SETTLED = 2.0, 1.06, 1.03, 0.02
+#: End stops of the leg, rad, and how near them a run is still clear of them.
+STOPS = np.array([simple_constants()["front"][name] for name in ("stop_low", "stop_high")])
+CLEAR = 0.9
 #: Every how many samples the gap is looked at; runs kept; Gauss-Newton steps.
 THIN, KEPT, MOST = 3, 6, 6
 
@@ -152,11 +156,15 @@ class Retune:
         return play(others, _changes(at), self._signal, step=step)
 
     def _directions_at(self, at: np.ndarray) -> Directions:
-        """Directions of the leg without effects."""
+        """Directions of the leg without effects.
+
+        One step a sample gives differences to a tenth, but where the run meets end stops, to nothing like the true ones.
+        """
         run, changes = self._plain(at.tobytes()), _changes(at)
+        parts = 1 if (np.abs(run.angles).max(axis=0) < CLEAR * np.abs(STOPS).min(axis=0)).all() else 2
 
         def channels(given: Mapping[str, float]) -> np.ndarray:
-            angles, tips = rough(given, self._signal)
+            angles, tips = rough(given, self._signal, parts)
             return self._scale(angles * change(given, "sensor_gain"), length_to_si(tips * change(given, "tip_gain")))
 
         here, one, none, columns = channels(changes), np.ones_like(run.angles), np.zeros_like(run.angles), []

@@ -51,14 +51,11 @@ def play(effects: Sequence[Effect], changes: Mapping[str, float], signal: Mappin
     return Truth(np.arange(len(volts))[kept] / SERVO_HZ, volts[kept], angles[kept], length_to_si(tips[kept]))
 
 
-def rough(changes: Mapping[str, float], signal: Mapping) -> tuple[np.ndarray, np.ndarray]:
-    """Hip angles (n, 2) rad and tips (n, 2) mm of the leg without effects at 4 kHz, two steps a sample; sensors' changes apart.
-
-    With one step a sample the end stops, where a run hits them, turn the differences between two such runs to nothing like the true ones.
-    """
+def rough(changes: Mapping[str, float], signal: Mapping, parts: int) -> tuple[np.ndarray, np.ndarray]:
+    """Hip angles (n, 2) rad and tips (n, 2) mm of the leg without effects at 4 kHz, `parts` steps a sample; sensors' changes apart."""
     hold = EVERY * SERVO_MS
     volts = commands(**signal)
-    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), hold / 2, hold)
+    return _integrate((), changes, volts.reshape(-1, EVERY, 2).mean(axis=1), hold / parts, hold)
 
 
 @lru_cache(maxsize=4)
