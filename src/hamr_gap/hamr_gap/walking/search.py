@@ -129,7 +129,7 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
     seen = Screen(replay, base, forms())
     singles = seen.singles()
     report("singles")
-    state.tried += [_refine(state, s) for s in _forms(singles)]
+    state.tried += [_single(state, s) for s in _forms(singles)]
     if state.base.left - state.best.left > state.least:
         report("again")
         _polish(state)
@@ -192,13 +192,33 @@ def judge(state: Search, role: str, model: Setting) -> tuple[float, np.ndarray]:
     return left_of(state.parts[role], start(state.parts[role], model, state.starts[role].change))
 
 
+def _single(state: Search, solution: Solution) -> Hypothesis:
+    """Fits an effect for good, twice: beside the re-tune, and beside the model as given, since a re-tune swallows much of most effects."""
+    replay, own = state.parts["fit"], effect_parameters(solution.effects)
+    x = _inside(own, solution)
+    alone = fit(replay, own, x, solution.effects, state.raw.fit.change)
+    n = len(state.base.fit.free)
+    both = [
+        fit(replay, [*state.base.fit.free, *own], np.concatenate(begin), solution.effects, change)
+        for begin, change in (((solution.base, x), state.base.fit.change), ((np.zeros(n), alone.x), alone.change))
+    ]
+    found = min(both, key=lambda f: trimmed(f.residual)[0])
+    return Hypothesis(solution.effects, found, *judge(state, "select", found.model))
+
+
 def _refine(state: Search, solution: Solution) -> Hypothesis:
     """Fits a set of effects for good, from its linear solution."""
-    base = state.base.fit
-    free = [*base.free, *effect_parameters(solution.effects)]
-    x = np.concatenate([solution.base, [_inside(f, solution.values.get(f.row, f.center)) for f in free[len(base.free) :]]])
-    found = fit(state.parts["fit"], free, x, solution.effects, base.change)
+    own = effect_parameters(solution.effects)
+    x = np.concatenate([solution.base, _inside(own, solution)])
+    found = fit(state.parts["fit"], [*state.base.fit.free, *own], x, solution.effects, state.base.fit.change)
     return Hypothesis(solution.effects, found, *judge(state, "select", found.model))
+
+
+def _inside(free: Sequence[Free], solution: Solution) -> np.ndarray:
+    """(P,) a solution's numbers, strictly inside their bounds."""
+    edge = 1e-3 * np.array([f.sd for f in free])
+    x = np.array([solution.values.get(f.row, f.center) for f in free])
+    return np.clip(x, np.array([f.low for f in free]) + edge, np.array([f.high for f in free]) - edge)
 
 
 def _polish(state: Search) -> None:
@@ -212,12 +232,6 @@ def _polish(state: Search) -> None:
             if again.left > 0.98 * h.left:
                 break
             state.tried[state.tried.index(h)] = h = again
-
-
-def _inside(f: Free, x: float) -> float:
-    """Strictly inside the bounds."""
-    edge = 1e-3 * f.sd
-    return float(np.clip(x, f.low + edge, f.high - edge))
 
 
 def _forms(singles: Sequence[Solution]) -> list[Solution]:
