@@ -1,6 +1,6 @@
 """Find where a model and measured bags disagree, name the effect that is missing, add it, and show the gap shrink.
 
-Only time, drive voltages, hip angles and actuator deflections are read, of suspended runs, from any recorder. The folder gets
+Only time, drive voltages, hip angles and actuator deflections are read, and of walks the chassis's pose, from any recorder. The folder gets
 verdict.json, effects.yaml (for --effects of every command), report.html and a bag of measured and simulated angles. An interrupted
 call goes on where it was. `hamr gap bench` draws machines with hidden effects, finds them blind and scores the answers.
 
