@@ -26,6 +26,7 @@ class Fit:
     Attributes:
         free, x: what is shared, in scales. effects. change: (s, 28) starts. residual: (s, readings + 28). cost: half squares with priors.
         hessian: (P, P) of the shared numbers with priors, the starts eliminated.
+        moved: by how much another fit from starts of its own moved x, (P,) or 0 where there was none.
     """
 
     free: tuple[Free, ...]
@@ -35,6 +36,7 @@ class Fit:
     residual: np.ndarray
     cost: float
     hessian: np.ndarray
+    moved: np.ndarray | float = 0.0
 
     @property
     def model(self) -> Setting:

@@ -103,6 +103,7 @@ def _intervals(state: Search, found: Fit) -> np.ndarray:
     scale = 1.0 / np.sqrt(np.diag(found.hessian))
     inverse = np.linalg.pinv(found.hessian * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse) * inflation, np.square([f.sd for f in found.free])))
+    half = np.hypot(half, NORMAL_95 * found.moved)
     return np.stack([found.x - half, found.x + half], 1)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -27,6 +27,7 @@ TURNS = ("fit", "select", "fit", "calibrate", "fit", "select", "fit", "report")
 FITTED, JUDGED = 36, 48  # segments that are fitted, and that serve each other role, at most
 BLOCK_MS = 100.0  # of judged segments, that count as one
 CLOSE = 6.0  # mean square that a model as given may leave for the finest steps to matter
+SETTLING = 4  # times that the best is fitted on, at most
 WORST = 0.1  # of the judged segments, that do not count: their contact may have gone another way
 SINGLES = 6  # names fitted
 ALL_FORMS = 2  # of these, in all their forms
@@ -135,6 +136,8 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
         _polish(state)
         report("pairs")
         state.tried += _pairs(state, seen, singles)
+        report("settle")
+        _settle(state)
     state.floor = min(state.floor, state.best.left)
     return state
 
@@ -227,11 +230,29 @@ def _polish(state: Search) -> None:
         for _ in range(AGAIN):
             if h.left > RIVAL * state.best.left:
                 break
-            found = fit(state.parts["fit"], h.fit.free, h.fit.x, h.effects, start(state.parts["fit"], h.fit.model).change)
-            again = Hypothesis(h.effects, found, *left_of(state.parts["select"], start(state.parts["select"], found.model)))
+            again = _again(state, h)
             if again.left > 0.98 * h.left:
                 break
             state.tried[state.tried.index(h)] = h = again
+
+
+def _settle(state: Search) -> None:
+    """Fits the best on until it stays where it is; what it still moves in the end its intervals will count."""
+    for _ in range(SETTLING):
+        best = state.best
+        again = _again(state, best)
+        if again.left > best.left:
+            still = replace(best.fit, moved=np.maximum(best.fit.moved, np.abs(again.fit.x - best.fit.x)))
+            state.tried[state.tried.index(best)] = replace(best, fit=still)
+            return
+        state.tried[state.tried.index(best)] = again
+
+
+def _again(state: Search, h: Hypothesis) -> Hypothesis:
+    """A hypothesis fitted on from where it is, with starts of its own."""
+    found = fit(state.parts["fit"], h.fit.free, h.fit.x, h.effects, start(state.parts["fit"], h.fit.model).change)
+    found = replace(found, moved=np.abs(found.x - h.fit.x))
+    return Hypothesis(h.effects, found, *left_of(state.parts["select"], start(state.parts["select"], found.model)))
 
 
 def _forms(singles: Sequence[Solution]) -> list[Solution]:
