@@ -10,28 +10,23 @@ import pytest
 
 import hidden_gap
 from hamr_gap.analyse import analyse
-from hamr_gap.bench.cases import LEG, samples_of
+from hamr_gap.bench.cases import LEG, from_plain, recorded, samples_of
 from hamr_gap.bench.score import names, rate
+from hamr_gap.bench.told import right_set
 from hamr_gap.legs import machine_of, record_of
-from hidden_gap.case import JOINTS, Case, Effect
+from hidden_gap.case import JOINTS, Case
 
 CASES = json.loads(Path(__file__).with_name("cases.json").read_text())
 
 
-def case_of(given: dict) -> Case:
-    """A case that was drawn for development, its strength met."""
-    effects = tuple(Effect(e["family"], tuple(e["joints"]), e["law"], e["parameters"]) for e in given["effects"])
-    return Case(**{**given, "effects": effects, "channels": tuple(given["channels"])})
-
-
 def record(case: Case):
     truth = hidden_gap.simulate(case)
-    return record_of(samples_of(case, truth, hidden_gap.measured(case, truth)), LEG, JOINTS)
+    return record_of(samples_of(case, truth, hidden_gap.measured(case, truth), recorded(case, truth)), LEG, JOINTS)
 
 
 @pytest.mark.parametrize("given", CASES, ids=[c["effects"][0]["family"] for c in CASES])
 def test_a_hidden_effect_is_found_and_placed(given):
-    case = case_of(given)
+    case = from_plain(given)  # drawn for development, its strength met
     found = analyse(machine_of("simple", "fl"), record(case))
     assert found.verdict.verdict in ("named", "ambiguous")
     first = found.verdict.set[0]
@@ -48,6 +43,19 @@ def test_where_nothing_is_hidden_nothing_is_found(seed):
 
 def test_names_are_families_at_places_in_any_order():
     assert names([["a", "x", ["l", "s"]], ["b", "y", ["s"]]]) == names([["b", "z", ["s"]], ["a", "x", ["s", "l"]]])
+
+
+def test_the_right_set_has_what_noise_free_data_do_not_tell_apart_and_nothing_that_only_adds_to_it():
+    def one(*effects):
+        return [[effect, "", ["s"]] for effect in effects]
+
+    truth = names(one("coulomb_friction"))
+    rivals = [
+        [one("coulomb_friction"), 0.5], [one("stribeck_friction"), 0.1], [one("coulomb_friction", "piezo_creep"), 0.2],
+        [one("piezo_hysteresis"), 3.9], [one("viscoelasticity"), 4.1], [[], 100.0],
+    ]  # fmt: skip
+    assert right_set(truth, rivals) == {truth, names(one("piezo_hysteresis"))}
+    assert right_set(truth, [[one("viscoelasticity"), 9.0]]) == {truth}
 
 
 def test_shares_carry_exact_intervals():

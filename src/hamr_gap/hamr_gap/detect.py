@@ -44,4 +44,3 @@ def detectable(machine: Machine, scales: Scales, seen: Screen, *, least: float =
             said = f"{size * scales.of(dimension) * factor:.2g} {unit}".removesuffix(" 1")
             found.setdefault(effect, {}).setdefault(at, said)
     return found
-

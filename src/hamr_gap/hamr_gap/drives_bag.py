@@ -15,7 +15,7 @@ from hamr_description.numbers import value
 from hamr_description.rates import SERVO_HZ, SUBSTEPS, TARGET_NS
 from hamr_description.units import time_to_si
 
-from .record import Record
+from .record import Record, resampled
 
 
 def write_drives(drives: Mapping[str, np.ndarray], records: Mapping[str, Record], path: Path) -> None:
@@ -26,15 +26,11 @@ def write_drives(drives: Mapping[str, np.ndarray], records: Mapping[str, Record]
     """
     if path.exists():
         rmtree(path)
-    neutral = value("actuator.neutral_voltage")
-    low, high = value("actuator.ground_voltage"), value("actuator.bias_voltage")
-    every = {leg: _resampled(x, records[leg]) for leg, x in drives.items()}
+    every = {leg: volts_of(leg, x, records[leg]) for leg, x in drives.items()}
     frames = -(-max(len(x) for x in every.values()) // SUBSTEPS)
-    volts = np.full((frames * SUBSTEPS, len(JOINTS)), neutral)
+    volts = np.full((frames * SUBSTEPS, len(JOINTS)), value("actuator.neutral_voltage"))
     for leg, x in every.items():
-        columns = [JOINTS.index(f"{leg}_{axis}") for axis in AXES]
-        volts[: len(x), columns] += drive_sign(leg) * x
-    volts = np.clip(volts, low, high)
+        volts[: len(x), [JOINTS.index(f"{leg}_{axis}") for axis in AXES]] = x
     frame = servo_frame(Topic.SERVO_VOLTAGES, SUBSTEPS)
     with BagWriter(path) as bag:
         for k in range(frames):
@@ -43,8 +39,9 @@ def write_drives(drives: Mapping[str, np.ndarray], records: Mapping[str, Record]
             bag.write(Topic.SERVO_VOLTAGES, bytes(frame), k * TARGET_NS)
 
 
-def _resampled(x: np.ndarray, record: Record) -> np.ndarray:
-    """At the servo rate, each sample held."""
-    step = time_to_si(record.step) / record.drives_per_reading
-    at = np.arange(int(len(x) * step * SERVO_HZ)) / SERVO_HZ
-    return x[np.minimum((at / step + 1e-9).astype(int), len(x) - 1)]
+def volts_of(leg: str, drives: np.ndarray, record: Record) -> np.ndarray:
+    """(m, 2) V at the servo rate of a leg's drives (n, 2) V about neutral in its frame, at the drive's steps of a record."""
+    per = round(time_to_si(record.step) / record.drives_per_reading * SERVO_HZ)
+    fine = np.stack([resampled(u, per, within=0.0) for u in drives.T], 1)
+    low, neutral, high = (value(f"actuator.{name}_voltage") for name in ("ground", "neutral", "bias"))
+    return np.clip(neutral + drive_sign(leg) * fine, low, high)

@@ -79,7 +79,7 @@ def _samples(prepared: Prepared, seconds: float) -> int:
 def _driven(model: Model, drives: np.ndarray) -> Model:
     record = model.record
     readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
-    return replace(model, record=replace(record, drives=drives, readings=readings, rest=True, breaks=(), held=True))
+    return replace(model, record=replace(record, drives=drives, readings=readings, rest=True, breaks=(), held=False))
 
 
 def _d_prime(model: Model, prepared: Prepared, first: Hypothesis, second: Hypothesis) -> float:

@@ -87,14 +87,24 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
     else:
         added = verdict.set[0].effects if verdict.set else ()
     arrays = _arrays(analysis, best)
-    rivals = [w.hypothesis for w in analysis.weights[: len(verdict.set)] if w.hypothesis is not None][:2]
-    if verdict.verdict == "ambiguous" and len(rivals) == 2:
+    if verdict.verdict == "ambiguous":
         report("experiment")
-        proposal = propose(analysis.prepared, *rivals, seed=seed)
-        names = tuple(in_words(h.effects, machine.joints) for h in rivals)
-        verdict, arrays["experiment"] = replace(verdict, experiment=proposal.as_dict(names)), proposal.drives
+        if decided := decides(analysis, seed=seed):
+            said, arrays["experiment"] = decided
+            verdict = replace(verdict, experiment=said)
     content = json.dumps(asdict(verdict) | {"added": [asdict(effect) for effect in added]})
     return Found(json.loads(content), _tried(analysis), _simulation(analysis), arrays)
+
+
+def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | None:
+    """What would decide between the first two names, as in `verdict.json`, and its drives (m, joints); None if there is one name."""
+    joints = analysis.prepared.weighed.model.machine.joints
+    rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None][:2]
+    if len(rivals) < 2:
+        return None
+    proposal = propose(analysis.prepared, *rivals, seed=seed)
+    first, second = (in_words(h.effects, joints) for h in rivals)
+    return proposal.as_dict((first, second)), proposal.drives
 
 
 def _tried(analysis: Analysis) -> list[dict]:

@@ -41,26 +41,31 @@ class Prepared:
     numerical: float
 
 
-def prepare(machine: Machine, record: Record) -> Prepared:
+def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None) -> Prepared:
     """Checks a record, chooses step and rate, and re-tunes the model fairly.
+
+    Args:
+        noise: (channels,) standard deviation of a sample's noise, if known; estimated otherwise.
 
     Raises:
         BagError: constant drives or readings, too little data; one sentence.
     """
     _check(machine, record)
     # between samples a drive was smooth, or held: what fits better was the case
-    tried = [_tuned(machine, replace(record, held=held)) for held in ((False, True) if record.drives_per_reading == 1 else (True,))]
-    weighed, found, roles, noise = min(tried, key=lambda t: np.sum((_rms(t[0], t[1].reading) / t[3]) ** 2))
-    if weighed.model.pieces is None:
-        weighed = _on_time(weighed, found.sensors.shift)
-        found = fit(weighed, found.free, found.x)
+    noise = noise_of(record.readings) if noise is None else noise
+    ways = (False, True) if record.drives_per_reading == 1 else (True,)
+    tried = [_tuned(machine, replace(record, held=held), noise) for held in ways]
+    weighed, found, roles = min(tried, key=lambda t: np.sum((_rms(t[0], t[1].reading) / noise) ** 2))
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
         substeps *= 2
         model = replace(model, substeps=substeps)
         weighed = replace(weighed, model=model)
         found = fit(weighed, found.free, found.x)
-    judged = mask(weighed.model, roles.select)
+    if model.pieces is None:  # coarse steps are late too, so only now
+        weighed = _on_time(weighed, found.sensors.shift)
+        found = fit(weighed, found.free, found.x)
+    model, judged = weighed.model, mask(weighed.model, roles.select)
     raw, _ = left_of(weighed, judged, model.plain)
     sigma = np.maximum(weighed.sigma, noise_of(_gaps(model.target - found.reading, roles.fit)))
     if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
@@ -75,10 +80,9 @@ def _on_time(weighed: Weighed, shift: float) -> Weighed:
     return replace(weighed, model=model, coarse=coarse)
 
 
-def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.ndarray]:
+def _tuned(machine: Machine, record: Record, noise: np.ndarray) -> tuple[Weighed, Fit, Roles]:
     """A re-tuned model with as few steps as it bears."""
     mean = max(1, int(1.0 / (record.step * machine.to_si["T"] * BAND)))
-    noise = noise_of(record.readings)
     model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record))
     roles = roles_of(model, machine.to_si["T"])
     alone = len(machine.joints) == 1
@@ -90,7 +94,7 @@ def _tuned(machine: Machine, record: Record) -> tuple[Weighed, Fit, Roles, np.nd
     fair = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, found.reading)))
     if (fair.sigma < rough.sigma).any():
         found = fit(fair, free, found.x)
-    return fair, found, roles, noise
+    return fair, found, roles
 
 
 def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:

@@ -64,7 +64,7 @@ class Record:
         if self.held or substeps == 1 or self.drives_per_reading > 1:
             return np.repeat(self.drives, substeps // self.drives_per_reading, axis=0)
         parts = [self.drives[start:stop] for start, stop in self.stretches]
-        return np.concatenate([np.stack([_smooth(u, substeps) for u in part.T], 1) for part in parts])
+        return np.concatenate([np.stack([resampled(u, substeps) for u in part.T], 1) for part in parts])
 
     def averaged(self, mean: int) -> np.ndarray:
         """(n // mean, channels) readings, means over `mean` samples each; NaN where one is missing."""
@@ -98,15 +98,19 @@ def joined(records: Sequence[Record]) -> Record:
     )  # fmt: skip
 
 
-def _smooth(u: np.ndarray, substeps: int) -> np.ndarray:
-    """Cubic splines between the jumps of samples (n,), each piece held from its last sample to the jump."""
+def resampled(u: np.ndarray, substeps: int, *, within: float = 0.5) -> np.ndarray:
+    """(n * substeps,) of samples (n,): cubic splines between their jumps, each piece held from its last sample to the jump.
+
+    Args:
+        within: where in its step each value is taken, 0 its beginning.
+    """
     step = np.abs(np.diff(u))
     # a signal that is only fast has large steps near by too
     beside = maximum_filter(step, footprint=np.arange(-NEAR, NEAR + 1) != 0, mode="constant")
     jumps = np.flatnonzero((step > JUMP * np.sqrt(np.mean(step**2))) & (step > JUMP * beside)) + 1
     fine = np.empty(len(u) * substeps)
     for start, stop in zip([0, *jumps], [*jumps, len(u)], strict=True):
-        at = np.minimum((np.arange((stop - start) * substeps) + 0.5) / substeps, stop - start - 1)
+        at = np.minimum((np.arange((stop - start) * substeps) + within) / substeps, stop - start - 1)
         piece = u[start:stop]
         fine[start * substeps : stop * substeps] = CubicSpline(np.arange(len(piece)), piece)(at) if len(piece) > 1 else piece[0]
     return fine

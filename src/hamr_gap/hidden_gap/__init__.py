@@ -9,6 +9,6 @@ from .bag import write
 from .case import Case, Effect, Truth
 from .draw import draw
 from .noise import measured
-from .simulate import commands, simulate
+from .simulate import commands, driven, simulate
 
-__all__ = ["Case", "Effect", "Truth", "commands", "draw", "ground", "measured", "simulate", "write"]
+__all__ = ["Case", "Effect", "Truth", "commands", "draw", "driven", "ground", "measured", "simulate", "write"]

@@ -34,7 +34,11 @@ def simulate(case: Case, *, without: Collection[str] = ()) -> Truth:
 
 def play(effects: Sequence[Effect], changes: Mapping[str, float], signal: Mapping, *, step: float) -> Truth:
     """Run the leg with effects and parameter changes under an excitation, `step` in ms (a divisor of 0.05)."""
-    volts = commands(**signal)
+    return driven(effects, changes, commands(**signal), step=step)
+
+
+def driven(effects: Sequence[Effect], changes: Mapping[str, float], volts: np.ndarray, *, step: float) -> Truth:
+    """The same under any voltages (n, 2) V at 20 kHz."""
     angles, tips = _integrate(effects, changes, volts, step)
     angles = angles * change(changes, "sensor_gain") + change(changes, "bias")
     tips = tips * change(changes, "tip_gain") + change(changes, "tip_bias")

@@ -79,6 +79,10 @@ class Bench:
     """Of each effect: what the best re-tuned model leaves, in floors."""
     seconds: float = 12.0
     """Of each record."""
+    again: bool = False
+    """Also make the experiments that verdicts ask for, and settle them with both runs."""
+    ideals: bool = False
+    """Also ask noise-free data what they could have told: which names, and the right ones' parameters."""
     workers: int = 2
     """Processes."""
     out: Path = Path("out/gap_bench")

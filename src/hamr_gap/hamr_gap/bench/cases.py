@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import hidden_gap
-from hidden_gap.case import JOINTS, LEG, Case, Truth
+from hidden_gap.case import JOINTS, LEG, Case, Effect, Truth
 
 from ..legs import record_of
 from ..measured import Samples
@@ -38,13 +38,28 @@ def make(folder: Path, group: str, set_: str, index: int, *, strength: float, se
         return
     case = hidden_gap.draw(group, name, strength=strength, seconds=seconds)
     truth = hidden_gap.simulate(case)
-    seen = hidden_gap.measured(case, truth)
-    samples = samples_of(case, truth, seen)
-    for path in (case_file, answer_file):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    tips = {} if samples.deflections is None else {"deflections": samples.deflections}
-    np.savez(case_file, sample_hz=samples.sample_hz, voltages=samples.voltages, angles=samples.angles, **tips)
+    store(case_file, samples_of(case, truth, hidden_gap.measured(case, truth), recorded(case, truth)))
+    answer_file.parent.mkdir(parents=True, exist_ok=True)
     answer_file.write_text(json.dumps(asdict(case), indent=1))
+
+
+def case_of(answer: Path) -> Case:
+    """The case of an answer file."""
+    return from_plain(json.loads(answer.read_text()))
+
+
+def from_plain(content: dict) -> Case:
+    """A case from what `asdict` made of it."""
+    effects = tuple(Effect(e["family"], tuple(e["joints"]), e["law"], e["parameters"]) for e in content["effects"])
+    tuples = {key: tuple(content[key]) for key in ("channels", "reached")}
+    return Case(**content | tuples | {"effects": effects})
+
+
+def store(path: Path, samples: Samples) -> None:
+    """Writes a case file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    tips = {} if samples.deflections is None else {"deflections": samples.deflections}
+    np.savez(path, sample_hz=samples.sample_hz, voltages=samples.voltages, angles=samples.angles, **tips)
 
 
 def load(path: Path) -> Record:
@@ -62,11 +77,15 @@ def digest(folder: Path, names: list[int]) -> str:
     return sha.hexdigest()
 
 
-def samples_of(case: Case, truth: Truth, seen: Truth) -> Samples:
+def recorded(case: Case, truth: Truth) -> np.ndarray:
+    """(n, 2) V of a case's excitation as its bag has them."""
+    return hidden_gap.commands(**case.excitation) if case.excitation["kind"] in JUMPS else truth.volts
+
+
+def samples_of(case: Case, truth: Truth, seen: Truth, volts: np.ndarray) -> Samples:
     """What was measured: lost samples are NaN, tips that have no sensor None."""
     hz = 1.0 / float(truth.time[1] - truth.time[0])
     at = np.round(seen.time * hz).astype(int)
     angles, tips = (np.full(truth.angles.shape, np.nan) for _ in range(2))
     angles[at], tips[at] = seen.angles, seen.tips
-    volts = hidden_gap.commands(**case.excitation) if case.excitation["kind"] in JUMPS else truth.volts
     return Samples(JOINTS, 0.0, hz, volts, angles, tips if "deflections" in case.channels else None)

@@ -1,6 +1,6 @@
 """The benchmark: draw, publish the hash, solve blind in two processes, score. Interrupted runs go on where they were.
 
-    hamr gap bench --set development --singles 40 --pairs 10 --nulls 20 --out out/gap_bench
+Each case is drawn, solved and looked at in processes of their own, which know nothing of each other.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
@@ -17,19 +18,21 @@ from tqdm import tqdm
 
 from hamr_description.errors import ConfigError
 
-from . import cases, score
+from . import cases, score, second, told
 
 
 def bench(
     out: Path, *, set: str = "development", singles: int = 0, pairs: int = 0, triples: int = 0, nulls: int = 0, outside: int = 0,
-    twins: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0, workers: int = 2, verdicts: str = "verdicts",
+    twins: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0, again: bool = False, ideals: bool = False,
+    workers: int = 2, verdicts: str = "verdicts",
 ) -> dict[str, str]:  # fmt: skip
     """Runs cases of a set.
 
     Args:
         out: folder of cases, answers and verdicts. set: development, calibration or report; each has seeds of its own.
         singles: how many of each group. first: index of the first.
-        strength: of each effect, in floors. seconds: of each record. workers: processes.
+        strength: of each effect, in floors. seconds: of each record. again: whether experiments that verdicts ask for are made.
+        ideals: whether noise-free data are asked what could have been told. workers: processes.
         verdicts: name of the folder of verdicts, for another version of the solver on the same cases.
 
     Returns:
@@ -41,36 +44,55 @@ def bench(
     wanted = {"single": singles, "pair": pairs, "triple": triples, "null": nulls, "outside": outside, "twins": twins}
     if not any(wanted.values()):
         raise ConfigError("No case was asked for; say how many of each kind, as in --singles 4 --nulls 2.")
-    jobs = [(group, first + i) for group, count in wanted.items() for i in range(count)]
-    names = [cases.number(group, set, i) for group, i in jobs]
-    (out / verdicts).mkdir(parents=True, exist_ok=True)
-    _each(workers, "draw", [[sys.executable, "-m", "hamr_gap.bench.draw", str(out), group, set, str(i), str(strength), str(seconds)]
-                            for group, i in jobs if not (out / "answers" / f"{cases.number(group, set, i)}.json").exists()])  # fmt: skip
-    names = [name for name in names if (out / "answers" / f"{name}.json").exists()]
+    jobs = {cases.number(group, set, i): (group, i) for group, count in wanted.items() for i in range(first, first + count)}
+    todo = [job for name, job in jobs.items() if not _answer(out, name).exists()]
+    _each(workers, "draw", [[str(out), group, set, str(i), str(strength), str(seconds)] for group, i in todo])
+    names = [name for name in jobs if _answer(out, name).exists()]
     sys.stderr.write(f"answers sha256 {cases.digest(out, names)}\n")
-    todo = [name for name in names if not (out / verdicts / f"{name}.json").exists()]
-    with tempfile.TemporaryDirectory() as elsewhere:
-        for name in todo:
-            place = Path(elsewhere) / str(name)
-            place.mkdir()
-            shutil.copy(out / "cases" / f"{name}.npz", place / "case.npz")
-        _each(workers, "solve", [[sys.executable, "-m", "hamr_gap.bench.solve", f"{elsewhere}/{name}/case.npz",
-                                  str((out / verdicts / f"{name}.json").resolve())] for name in todo])  # fmt: skip
+    _blind(workers, out / verdicts, {name: [out / "cases" / f"{name}.npz"] for name in names})
+    if again:
+        asked = [name for name in names if (out / verdicts / f"{name}.npz").exists()]
+        runs = {name: second.folder_of(out, verdicts) / f"{name}.npz" for name in asked}
+        _each(workers, "second", [[str(out), verdicts, str(name)] for name, path in runs.items() if not path.exists()])
+        both = {name: [out / "cases" / f"{name}.npz", path] for name, path in runs.items() if path.exists()}
+        _blind(workers, score.settled(out, verdicts), both)
+    if ideals:
+        _each(workers, "ideal", [[str(out), str(name)] for name in names if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
-    return dict(score.table(done))
+    return dict([*score.table(done), *told.rows(out, done, verdicts)])
 
 
-def _each(workers: int, what: str, commands: list[list[str]]) -> None:
-    """Runs commands, a few at a time, with a progress bar; one that fails is named and the rest go on."""
+def _answer(out: Path, name: int) -> Path:
+    return out / "answers" / f"{name}.json"
+
+
+def _blind(workers: int, verdicts: Path, files: Mapping[int, Sequence[Path]]) -> None:
+    """Solves cases that have no verdict, each with nothing but its own files beside it."""
+    verdicts.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as elsewhere:
+        commands = []
+        for name, own in files.items():
+            if (answer := verdicts.resolve() / f"{name}.json").exists():
+                continue
+            place = Path(elsewhere, str(name))
+            place.mkdir()
+            copies = [shutil.copy(path, place / f"case{i}.npz") for i, path in enumerate(own)]
+            commands.append([str(answer), *map(str, copies)])
+        _each(workers, "solve", commands)
+
+
+def _each(workers: int, what: str, jobs: list[list[str]]) -> None:
+    """Runs modules of this package with arguments, a few at a time, with a progress bar; one that fails is named and the rest go on."""
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
 
-    def run(command: list[str]) -> tuple[list[str], subprocess.CompletedProcess]:
-        return command, subprocess.run(command, env=environment, capture_output=True, text=True)
+    def run(job: list[str]) -> tuple[list[str], subprocess.CompletedProcess]:
+        command = [sys.executable, "-m", f"{__package__}.{what}", *job]
+        return job, subprocess.run(command, env=environment, capture_output=True, text=True)
 
-    with ThreadPoolExecutor(workers) as pool, tqdm(total=len(commands), desc=what, unit="case", file=sys.stderr) as bar:
-        for future in as_completed([pool.submit(run, command) for command in commands]):
-            command, ended = future.result()
+    with ThreadPoolExecutor(workers) as pool, tqdm(total=len(jobs), desc=what, unit="case", file=sys.stderr) as bar:
+        for future in as_completed([pool.submit(run, job) for job in jobs]):
+            job, ended = future.result()
             if ended.returncode:
                 last = ended.stderr.strip().splitlines()[-1:] or ["no word"]
-                bar.write(f"{' '.join(command[3:])}: {last[0]}", file=sys.stderr)
+                bar.write(f"{what} {' '.join(job)}: {last[0]}", file=sys.stderr)
             bar.update()

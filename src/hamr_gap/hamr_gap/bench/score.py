@@ -38,6 +38,11 @@ class Scored:
         return self.truth in self.answers
 
 
+def settled(out: Path, verdicts: str) -> Path:
+    """Where the verdicts lie that experiments have settled."""
+    return out / f"{verdicts}_settled"
+
+
 def names(effects: Iterable) -> frozenset:
     """Families and places."""
     return frozenset((effect, tuple(sorted(joints))) for effect, _, joints in effects)

@@ -1,24 +1,32 @@
-"""One case, blind: a case file in, an answer file out. Runs in a process of its own that knows nothing else."""
+"""One case, blind: case files of one machine in, an answer file out. Runs in a process of its own that knows nothing else.
+
+python -m hamr_gap.bench.solve ANSWER CASE [CASE ...]
+"""
 
 from __future__ import annotations
 
 import json
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
+
+import numpy as np
 
 from hamr_description.errors import HamrError
 
 from ..analyse import analyse
+from ..found import decides
 from ..legs import machine_of
+from ..record import joined
 from .cases import LEG, load
 
 
-def solve(case: Path, out: Path) -> None:
-    """Writes the verdict, the probabilities of everything tried, and the time it took."""
+def solve(out: Path, *cases: Path) -> None:
+    """Writes the verdict, the probabilities of everything tried, and the time it took; and beside it the drives that would decide."""
     began = time.process_time()
     try:
-        analysis = analyse(machine_of("simple", LEG), load(case))
+        analysis = analyse(machine_of("simple", LEG), joined([load(case) for case in cases]))
     except HamrError as error:
         out.write_text(json.dumps({"verdict": "refused", "why": str(error), "weights": [], "seconds": time.process_time() - began}))
         return
@@ -32,8 +40,14 @@ def solve(case: Path, out: Path) -> None:
     ]  # fmt: skip
     state = analysis.search
     report = analysis.prepared.roles.report
+    seconds = time.process_time() - began
+    experiment = None
+    if analysis.verdict.verdict == "ambiguous" and (decided := decides(analysis)):
+        experiment, drives = decided
+        np.savez(out.with_suffix(".npz"), drives=drives)
     result = {
-        "verdict": analysis.verdict.verdict, "weights": weights, "seconds": time.process_time() - began,
+        "verdict": analysis.verdict.verdict, "weights": weights, "set": [asdict(answer) for answer in analysis.verdict.set],
+        "experiment": experiment, "seconds": seconds,
         "base": analysis.prepared.base.left, "floor": state.floor, "raw": analysis.prepared.raw, "best": state.best.left,
         "numerical": analysis.prepared.numerical, "evidence": analysis.evidence, "report": analysis.left(report),
     }  # fmt: skip
@@ -41,4 +55,4 @@ def solve(case: Path, out: Path) -> None:
 
 
 if __name__ == "__main__":
-    solve(Path(sys.argv[1]), Path(sys.argv[2]))
+    solve(*map(Path, sys.argv[1:]))

@@ -1,0 +1,37 @@
+"""The run that a verdict asked for, of the same hidden machine: python -m hamr_gap.bench.second OUT VERDICTS NUMBER"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import hidden_gap
+from hidden_gap.case import LEG
+
+from ..drives_bag import volts_of
+from .cases import case_of, load, samples_of, store
+
+NOISE = 10_000_000  # added to a case's seed for the noise of its second run
+
+
+def folder_of(out: Path, verdicts: str) -> Path:
+    """Where second runs lie."""
+    return out / f"{verdicts}_second"
+
+
+def measure_again(out: Path, verdicts: str, name: int) -> None:
+    """Measures a case's machine anew, under the drives that a verdict asked for."""
+    case, first = case_of(out / "answers" / f"{name}.json"), load(out / "cases" / f"{name}.npz")
+    with np.load(out / verdicts / f"{name}.npz", allow_pickle=False) as f:
+        volts = volts_of(LEG, f["drives"], first)
+    truth = hidden_gap.driven(case.effects, case.changes, volts, step=case.step)
+    seen = hidden_gap.measured(replace(case, seed=case.seed + NOISE), truth)
+    kept = volts if first.drives_per_reading > 1 else truth.volts
+    store(folder_of(out, verdicts) / f"{name}.npz", samples_of(case, truth, seen, kept))
+
+
+if __name__ == "__main__":
+    measure_again(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]))

@@ -1,0 +1,60 @@
+"""Scores beside names: intervals against the library's own fit of the noise-free truth, computed ambiguity, and experiments made."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from hamr_dynamics.effects.library import library
+
+from .score import Scored, names, rate, scored, settled
+
+TOLD_APART = 4.0  # d' from which data tell two laws apart
+
+
+def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, str]]:
+    """Rows of the scoreboard for what was looked into."""
+    ideals = {c.name: json.loads(path.read_text()) for c in cases if (path := out / "ideals" / f"{c.name}.json").exists()}
+    known = [c for c in cases if c.truth and c.name in ideals]
+    rivals = {c.name: right_set(c.truth, ideals[c.name]["rivals"]) for c in known}
+    blurred = [c for c in known if len(rivals[c.name]) > 1]
+    made = [(c, scored(out, c.name, settled(out, verdicts).name)) for c in cases if (settled(out, verdicts) / f"{c.name}.json").exists()]
+    asked = [c for c in cases if c.verdict == "ambiguous" and c.covered]
+    silent = [c for c in asked if c.result["experiment"] and not c.result["experiment"]["signal"]]
+    found = [
+        ("95 % intervals that hold the truth", rate(hit for c in known for hit in held(c, ideals[c.name]["forms"]))),
+        ("cases that these data cannot tell (computed)", rate(len(rivals[c.name]) > 1 for c in known)),
+        ("of these: called ambiguous, the answer in the set", rate(c.verdict == "ambiguous" and c.covered for c in blurred)),
+        ("of these: confident and wrong", rate(c.verdict == "named" and not c.exact for c in blurred)),
+        ("ambiguous: no experiment decides, it was said", rate(c in silent for c in asked)),
+        ("ambiguous: settled by the run that was asked for", rate(b.verdict == "named" and b.exact for a, b in made if a.covered)),
+    ]
+    return [(name, text) for name, text in found if text != "-"]
+
+
+def right_set(truth: frozenset, rivals: Sequence) -> set[frozenset]:
+    """The truth and all that noise-free data do not tell from it, without what only adds to another member or has it as a special case."""
+    close = {truth, *(names(effects) for effects, d in rivals if effects and d < TOLD_APART)}
+    return {some for some in close if some == truth or not any(_wider(some, other) for other in close if other != some)}
+
+
+def _wider(some: frozenset, other: frozenset) -> bool:
+    if other < some:
+        return True
+    changed = {(inner, place) for family, place in some - other for inner in library()[family].contains}
+    return bool(changed) and len(some) == len(other) and other - some <= changed
+
+
+def held(case: Scored, forms: dict) -> Iterator[bool]:
+    """Whether each parameter's interval of the first answer holds what its form has on noise-free data."""
+    if not case.exact or not case.result["set"]:
+        return
+    effects = case.result["set"][0]["effects"]
+    ideal = forms.get(" + ".join(e["form"] for e in effects), ())
+    by_effect = {e["effect"]: e["parameters"] for e in ideal}
+    for effect in effects:
+        for name, joints in by_effect.get(effect["effect"], {}).items():
+            for joint, best in joints.items():
+                found = effect["parameters"][name][joint]
+                yield found["low"] <= best["value"] <= found["high"]
