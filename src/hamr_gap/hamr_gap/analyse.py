@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     report("re-tune")
     prepared = prepare(machine, record)
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
+    prepared = replace(prepared, base=state.base)
     weights = weigh(state, int(prepared.judged.sum()))
     evidence = _evidence(prepared, state)
     mean = prepared.weighed.model.mean

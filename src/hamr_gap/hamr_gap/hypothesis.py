@@ -14,6 +14,7 @@ from .weighed import Weighed
 
 #: Shares of a linear solution that are simulated: of its re-tune, which may lead astray where the base is far off, and of its effects.
 STEPS = ((1.0, 1.0), (0.4, 0.4), (0.15, 0.15), (0.0, 0.15))
+SEEN = 0.2  # of its response, that a size with a threshold must show in a solution
 BLOCKS = 24  # of the judged readings, for spread
 FEWEST = 6  # pieces that are blocks of their own
 
@@ -116,8 +117,10 @@ def _at(
     old = dict(zip((f.row for f in base.free), base.x, strict=True))
     for c, v in zip(solution.chosen, solution.value[seen.fixed :], strict=True):
         column = seen.columns[c]
-        step = column.size if column.parameter.screen else share * (v * column.size or 0.02 * column.parameter.typical)
-        x[column.row] = old.get(column.row, 0.0) + step  # a size with a threshold is tried where it was seen
+        step = share * (v * column.size or 0.02 * column.parameter.typical)
+        if column.parameter.screen:  # a size with a threshold is tried where it was seen, or is off
+            step = column.size if v > SEEN else 0.0
+        x[column.row] = old.get(column.row, 0.0) + step
         x |= {row: s for row, s in column.shapes if row not in old}
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
     return np.clip(np.array([x.get(f.row, f.center) for f in free]), low, high)

@@ -10,6 +10,7 @@ import numpy as np
 
 from hamr_description.names import JOINTS, MIRROR, drive_sign, joint_signs
 from hamr_description.numbers import value
+from hamr_description.rates import SERVO_MS
 from hamr_description.units import length_from_si
 from hamr_dynamics.machine import Machine, leg_machine
 from hamr_dynamics.plant import plant
@@ -44,7 +45,9 @@ def record_of(measured: Measured, leg: str, joints: Sequence[str] = JOINTS) -> R
         readings.append(length_from_si(measured.deflections[:, columns]) * MIRROR[leg][1])
         channels += [f"{name}_actuator" for name in channels]
     per = len(measured.voltages) // len(measured.angles)
-    return clear_of_stops(Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels), drives_per_reading=per))
+    return clear_of_stops(
+        Record(drives, np.hstack(readings), 1e3 / measured.sample_hz, tuple(channels), hold=SERVO_MS, drives_per_reading=per)
+    )
 
 
 def clear_of_stops(record: Record) -> Record:

@@ -89,12 +89,11 @@ def _tuned(machine: Machine, record: Record, noise: np.ndarray) -> tuple[Weighed
     gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
     weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
     free = changes(machine, model.scales)
-    rough = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.plain)))
+    # trusted first, sensors keep a fit from wandering off along scales that only end stops tell apart
+    rough = replace(weighed, gains=(), sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.plain)))
     found = fit(rough, free, np.zeros(len(free)))
     fair = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, found.reading)))
-    if (fair.sigma < rough.sigma).any():
-        found = fit(fair, free, found.x)
-    return fair, found, roles
+    return fair, fit(fair, free, found.x), roles
 
 
 def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:

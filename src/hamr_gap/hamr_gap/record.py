@@ -26,6 +26,7 @@ class Record:
         step: T between samples. channels: names, as `Machine.channels` or some of them.
         drives_per_reading: how many drives each sample has; more than one where the drive was recorded faster than the sensors.
         held: whether a drive holds until the next sample (True) or was sampled from a smooth signal.
+        hold: T for which the driver holds each command of such a signal, which is late by half of it.
         rest: whether the machine was at rest before the first sample of each stretch.
         breaks: indices at which a new stretch begins, recorded at another time.
     """
@@ -35,6 +36,7 @@ class Record:
     step: float
     channels: tuple[str, ...]
     held: bool = False
+    hold: float = 0.0
     rest: bool = True
     drives_per_reading: int = 1
     breaks: tuple[int, ...] = ()
@@ -60,11 +62,11 @@ class Record:
         return list(zip(edges[:-1], edges[1:], strict=True))
 
     def fine(self, substeps: int) -> np.ndarray:
-        """(n * substeps, joints) drives at the steps of a simulation: in their middle, where smooth; held up to each jump."""
+        """(n * substeps, joints) drives at the steps of a simulation: in their middle, where smooth, and late; held up to each jump."""
         if self.held or substeps == 1 or self.drives_per_reading > 1:
             return np.repeat(self.drives, substeps // self.drives_per_reading, axis=0)
-        parts = [self.drives[start:stop] for start, stop in self.stretches]
-        return np.concatenate([np.stack([resampled(u, substeps) for u in part.T], 1) for part in parts])
+        parts, within = [self.drives[start:stop] for start, stop in self.stretches], 0.5 - 0.5 * self.hold / self.step * substeps
+        return np.concatenate([np.stack([resampled(u, substeps, within=within) for u in part.T], 1) for part in parts])
 
     def averaged(self, mean: int) -> np.ndarray:
         """(n // mean, channels) readings, means over `mean` samples each; NaN where one is missing."""
@@ -98,11 +100,11 @@ def joined(records: Sequence[Record]) -> Record:
     )  # fmt: skip
 
 
-def resampled(u: np.ndarray, substeps: int, *, within: float = 0.5) -> np.ndarray:
+def resampled(u: np.ndarray, substeps: int, *, within: float) -> np.ndarray:
     """(n * substeps,) of samples (n,): cubic splines between their jumps, each piece held from its last sample to the jump.
 
     Args:
-        within: where in its step each value is taken, 0 its beginning.
+        within: where in its step each value is taken, 0 its beginning, less than that before.
     """
     step = np.abs(np.diff(u))
     # a signal that is only fast has large steps near by too
@@ -110,7 +112,7 @@ def resampled(u: np.ndarray, substeps: int, *, within: float = 0.5) -> np.ndarra
     jumps = np.flatnonzero((step > JUMP * np.sqrt(np.mean(step**2))) & (step > JUMP * beside)) + 1
     fine = np.empty(len(u) * substeps)
     for start, stop in zip([0, *jumps], [*jumps, len(u)], strict=True):
-        at = np.minimum((np.arange((stop - start) * substeps) + within) / substeps, stop - start - 1)
+        at = np.clip((np.arange((stop - start) * substeps) + within) / substeps, 0.0, stop - start - 1)
         piece = u[start:stop]
         fine[start * substeps : stop * substeps] = CubicSpline(np.arange(len(piece)), piece)(at) if len(piece) > 1 else piece[0]
     return fine

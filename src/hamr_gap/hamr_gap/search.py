@@ -25,6 +25,8 @@ MORE = 6
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
+LED = 2  # effects that may lead to a better re-tune
+BETTER = 0.95  # of its cost
 STEPPED = 0.9  # of what the best leaves, that it must leave at most with the steps of sensors that seem to show
 CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
 FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
@@ -35,7 +37,7 @@ class Search:
     """What was tried.
 
     Attributes:
-        base: the re-tuned model without effects. seen: the linear picture about it.
+        base: the re-tuned model without effects, perhaps better than the one the search began with. seen: the linear picture about it.
         tried: all hypotheses with effects. floor: mean square that noise alone leaves.
     """
 
@@ -74,6 +76,10 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
     alone += _singles(weighed, given, _look(weighed, given, everything, like=base.fit), everything)
     state.tried += [refine(weighed, judged, start) for start in _forms(alone)]
+    best = sorted(state.tried, key=lambda h: h.left)[:LED]
+    led = min((_without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
+    if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
+        return search(weighed, judged, led, report)
     for size in range(2, LARGEST + 1):
         state.floor = noise_floor(weighed, judged, state.best)
         excess = state.best.left - state.floor
@@ -81,11 +87,12 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
             break
         report(f"sets of {size}")
         new = _pairs(weighed, judged, base.fit, seen, alone) if size == 2 else []
-        new += _beside(weighed, judged, state, everything, size)
+        new += _beside(weighed, judged, min((h for h in state.tried if len(h.effects) == size - 1), key=lambda h: h.left), everything)
         before = state.best.left
         state.tried += new
         if min((h.left for h in new), default=before) - state.floor > 0.7 * (before - state.floor):
             break
+        _exchange(weighed, judged, state, everything)
     stairs = staircases(weighed, state.best.fit)
     if stairs and with_stairs(weighed, judged, state.best, stairs).left < STEPPED * state.best.left:
         report("steps of sensors")  # seen by themselves, they belong to every answer
@@ -133,15 +140,34 @@ def _pairs(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alone
     return [refine(weighed, judged, s) for s in _first(starts(weighed, about, seen, [(pair, pairs[pair]) for pair in wanted]), PAIRS)]
 
 
-def _beside(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], size: int) -> list[Hypothesis]:
-    """One more effect beside the best set of one less, in a linear picture about that set."""
-    smaller = [h for h in state.tried if len(h.effects) == size - 1]
-    if not smaller:
-        return []
-    least = min(smaller, key=lambda h: h.left)
-    others = [c for c in everything if all(c.effect != e.effect for e in least.effects)]
-    more = _first(_singles(weighed, least.fit, _look(weighed, least.fit, others), others), MORE)
-    return [replace(refine(weighed, judged, start), effects=(*least.effects, *start.effects)) for start in more]
+def _beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate]) -> list[Hypothesis]:
+    """One more effect beside others, in a linear picture about them; the first name in all its forms."""
+    wanted = [c for c in everything if all(c.effect != e.effect for e in others.effects)]
+    found = _singles(weighed, others.fit, _look(weighed, others.fit, wanted), wanted)
+    starts_ = _first(found, MORE)
+    best: dict[Candidate, Start] = {}
+    for start in sorted(found, key=lambda s: s.cost):
+        if starts_ and start.effects[0].name == starts_[0].effects[0].name:
+            best.setdefault(start.effects[0], start)
+    return [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in [*best.values(), *starts_[1:]]]
+
+
+def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate]) -> None:
+    """Takes each effect of the best set out in turn and looks for what stands best beside the others, until that changes nothing."""
+    done: set[frozenset] = set()
+    while open_ := [c for c in state.best.effects if frozenset(state.best.effects) - {c} not in done]:
+        rest = tuple(c for c in state.best.effects if c != open_[0])
+        done.add(frozenset(rest))
+        alone = next((h for h in state.tried if frozenset(h.effects) == frozenset(rest)), None)
+        state.tried += _beside(weighed, judged, alone or _without(weighed, judged, state.best, open_[0]), everything)
+
+
+def _without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
+    """A hypothesis fitted again without one of its effects."""
+    rows = {row for shape in (False, True) for row, _ in effect.rows(shape=shape)}
+    kept = [i for i, f in enumerate(h.fit.free) if f.row not in rows]
+    rest = tuple(c for c in h.effects if c != effect)
+    return refine(weighed, judged, Start(rest, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
 
 
 def noise_floor(weighed: Weighed, judged: np.ndarray, best: Hypothesis) -> float:

@@ -132,7 +132,7 @@ def _mean(x: list[float]) -> float:
 
 def _key(machine: Machine, record: Record, seed: int) -> str:
     """Hash of the data, of the machine's traced equations with every effect, and of the workflow's code."""
-    said = f"{seed} {record.channels} {record.step} {record.held} {record.rest} {record.drives_per_reading} {record.breaks}"
+    said = f"{seed} {record.channels} {record.step} {record.held} {record.hold} {record.rest} {record.drives_per_reading} {record.breaks}"
     digest = hashlib.sha256("\0".join((said, machine_kernel.source(machine), _code())).encode())
     for array in (record.drives, record.readings):
         digest.update(np.ascontiguousarray(array, "<f8").tobytes())

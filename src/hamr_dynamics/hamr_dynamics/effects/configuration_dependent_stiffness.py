@@ -7,16 +7,17 @@ from .law import Effect, Form, Joint, Pair, PairPush, Parameter, Push
 
 
 def potential(x: Pair, p, z):
-    """Force -grad V, V = sum of cubic and quartic monomials s^i l^j of the two angles."""
+    """Force -grad V, V = sum of monomials s^i l^j of the two angles up to the fourth degree; s^2 and l^2 are changes of stiffness."""
     s, r = x.q
+    c11 = p["c11"]
     c30, c21, c12, c03 = (p[f"c{i}"] for i in ("30", "21", "12", "03"))
     c40, c31, c22, c13, c04 = (p[f"c{i}"] for i in ("40", "31", "22", "13", "04"))
-    along = s * (3.0 * c30 * s + 2.0 * c21 * r) + c12 * r * r
+    along = c11 * r + s * (3.0 * c30 * s + 2.0 * c21 * r) + c12 * r * r
     along = along + s * (s * (4.0 * c40 * s + 3.0 * c31 * r) + 2.0 * c22 * r * r) + c13 * r * r * r
-    across = r * (3.0 * c03 * r + 2.0 * c12 * s) + c21 * s * s
+    across = c11 * s + r * (3.0 * c03 * r + 2.0 * c12 * s) + c21 * s * s
     across = across + r * (r * (4.0 * c04 * r + 3.0 * c13 * s) + 2.0 * c22 * s * s) + c31 * s * s * s
     k11 = 6.0 * c30 * s + 2.0 * c21 * r + 12.0 * c40 * s * s + 6.0 * c31 * s * r + 2.0 * c22 * r * r
-    k12 = 2.0 * c21 * s + 2.0 * c12 * r + 3.0 * c31 * s * s + 4.0 * c22 * s * r + 3.0 * c13 * r * r
+    k12 = c11 + 2.0 * c21 * s + 2.0 * c12 * r + 3.0 * c31 * s * s + 4.0 * c22 * s * r + 3.0 * c13 * r * r
     k22 = 6.0 * c03 * r + 2.0 * c12 * s + 12.0 * c04 * r * r + 6.0 * c13 * s * r + 2.0 * c22 * s * s
     return PairPush((-along, -across), stiffness=(k11, k12, k22)), z
 
@@ -29,7 +30,8 @@ def well(x: Joint, p, z):
 
 
 def _term(i: int, j: int) -> Parameter:
-    return Parameter(f"c{i}{j}", f"F/Q^{i + j - 1}", 0.01, -5.0, 5.0, f"potential per swing^{i} lift^{j}")
+    power = i + j - 1
+    return Parameter(f"c{i}{j}", f"F/Q^{power}" if power > 1 else "F/Q", 0.01, -5.0, 5.0, f"potential per swing^{i} lift^{j}")
 
 
 EFFECT = Effect(
@@ -38,8 +40,8 @@ EFFECT = Effect(
     summary="Springs whose stiffness changes with both angles of the leg, as a potential has it.",
     forms=(Form("well", "force", well, (Parameter("depth", "F*Q", 0.02, -5.0, 5.0, "of the potential"), CENTRE, WIDTH)),
            Form("potential", "pair", potential,
-                tuple(_term(i, n - i) for n in (3, 4) for i in range(n, -1, -1))),),
+                (_term(1, 1), *(_term(i, n - i) for n in (3, 4) for i in range(n, -1, -1)))),),
     experiment="large motions of both joints at once",
     source="hamr_facts 7, effect 8; Gruenstein et al., Residual Model Learning for Microrobot Control",
-    contains=("cubic_stiffness",),
+    contains=("cubic_stiffness", "lift_swing_coupling"),
 )  # fmt: skip
