@@ -49,7 +49,7 @@ class Analysis:
         weighed = self.prepared.weighed
         rows = mask(weighed.model, part)
         base, best = (judge(weighed, rows, (), h.fit).left for h in (self.prepared.base, self.best))
-        return {"base": base, "best": best, "floor": noise_floor(weighed, rows, judge(weighed, rows, (), self.best.fit))}
+        return {"base": base, "best": best, "floor": noise_floor(weighed, judge(weighed, rows, (), self.best.fit))}
 
 
 def analyse(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None) -> Analysis:
@@ -65,7 +65,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     weights = weigh(state, int(prepared.judged.sum()))
     evidence = _evidence(prepared, state)
     mean = prepared.weighed.model.mean
-    least = mean * max(SMALLEST, 0.5 * prepared.numerical) ** 2
+    least = mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
     explained = prepared.base.left - state.best.left
     named = explained > max(least, SHARE * (prepared.base.left - state.floor)) and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
     if not named and structural(prepared.weighed, prepared.judged, prepared.base.fit):
@@ -187,4 +187,4 @@ def gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
         }
         for c, channel in enumerate(model.record.channels)
     }
-    return Gap(**totals, floor=float(np.hypot(1.0, prepared.numerical)), per_channel=channels)
+    return Gap(**totals, floor=float(np.hypot(1.0, prepared.weighed.numerical)), per_channel=channels)

@@ -29,7 +29,7 @@ class Prepared:
     Attributes:
         weighed: fitted readings. judged: readings to select on. roles.
         base: the re-tuned model. raw: mean square of the residual before it, in units of the noise, on the judged readings.
-        noise: (channels,) standard deviation of a sample's noise. numerical: rms by which halving the step moves readings, in noise.
+        noise: (channels,) standard deviation of a sample's noise.
     """
 
     weighed: Weighed
@@ -38,7 +38,6 @@ class Prepared:
     base: Hypothesis
     raw: float
     noise: np.ndarray
-    numerical: float
 
 
 def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None) -> Prepared:
@@ -62,6 +61,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
         model = replace(model, substeps=substeps)
         weighed = replace(weighed, model=model)
         found = fit(weighed, found.free, found.x)
+    weighed = replace(weighed, numerical=numerical)
     if model.pieces is None:  # coarse steps are late too, so only now
         weighed = _on_time(weighed, found.sensors.shift)
         found = fit(weighed, found.free, found.x)
@@ -71,7 +71,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
-    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, numerical)
+    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise)
 
 
 def _on_time(weighed: Weighed, shift: float) -> Weighed:

@@ -81,7 +81,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
         return search(weighed, judged, led, report)
     for size in range(2, LARGEST + 1):
-        state.floor = noise_floor(weighed, judged, state.best)
+        state.floor = noise_floor(weighed, state.best)
         excess = state.best.left - state.floor
         if excess * count < CLEAR or excess < max(FAINT, ENOUGH * (base.left - state.floor)):
             break
@@ -97,7 +97,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     if stairs and with_stairs(weighed, judged, state.best, stairs).left < STEPPED * state.best.left:
         report("steps of sensors")  # seen by themselves, they belong to every answer
         state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
-    state.floor = noise_floor(weighed, judged, state.best)
+    state.floor = noise_floor(weighed, state.best)
     return state
 
 
@@ -170,8 +170,7 @@ def _without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candid
     return refine(weighed, judged, Start(rest, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
 
 
-def noise_floor(weighed: Weighed, judged: np.ndarray, best: Hypothesis) -> float:
-    """Mean square that the noise alone leaves on the judged readings: from differences of the best hypothesis' residual."""
-    left = residual(weighed, best.fit)
-    rows = judged.any(1)
-    return float(min(np.mean(noise_of(np.where(rows[:, None], left, np.nan)) ** 2), best.left))
+def noise_floor(weighed: Weighed, best: Hypothesis) -> float:
+    """Mean square that noise and the simulation's own error leave, from differences of the best hypothesis' residual."""
+    noise = float(np.mean(noise_of(residual(weighed, best.fit)) ** 2))
+    return min(noise + weighed.model.mean * weighed.numerical**2, best.left)

@@ -19,6 +19,7 @@ from .search import Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left
 FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
+FLOOR_ERROR = 0.03  # of what noise leaves, which is an estimate
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
 THROUGHOUT = 2.0  # t over blocks by which each effect beyond the first must leave less: what it adds may be luck in a few blocks
@@ -46,7 +47,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
         count: judged readings.
     """
     gap = max(state.base.left - state.floor, 1e-12)
-    least = FORM_ERROR + 2.0 * DECIDES / (count * gap)
+    least = FORM_ERROR + (FLOOR_ERROR * state.floor + 2.0 * DECIDES / count) / gap
     found: list[tuple[Hypothesis | None, float, float]] = [(None, UNKNOWN, -SHARPNESS * np.log(UNKNOWN + least))]
     best = state.by_names()
     for names, h in best.items():

@@ -20,6 +20,7 @@ class Weighed:
     Attributes:
         coarse: the same model with as few steps as it bears, for the many runs of a screening; None for the model itself.
         chosen: (n, channels) readings that count. sigma: (channels,) noise of an averaged reading.
+        numerical: rms by which halving the step moves readings, in units of a sample's noise.
         gains: channels whose gain is free: all of two coupled joints; of one joint, where it is the drive's, those beside it.
     """
 
@@ -28,6 +29,7 @@ class Weighed:
     sigma: np.ndarray
     gains: tuple[int, ...]
     coarse: Model | None = None
+    numerical: float = 0.0
 
     @cached_property
     def until(self) -> int:

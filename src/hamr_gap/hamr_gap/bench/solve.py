@@ -49,7 +49,7 @@ def solve(out: Path, *cases: Path) -> None:
         "verdict": analysis.verdict.verdict, "weights": weights, "set": [asdict(answer) for answer in analysis.verdict.set],
         "experiment": experiment, "seconds": seconds,
         "base": analysis.prepared.base.left, "floor": state.floor, "raw": analysis.prepared.raw, "best": state.best.left,
-        "numerical": analysis.prepared.numerical, "evidence": analysis.evidence, "report": analysis.left(report),
+        "numerical": analysis.prepared.weighed.numerical, "evidence": analysis.evidence, "report": analysis.left(report),
     }  # fmt: skip
     out.write_text(json.dumps(result))
 

@@ -45,10 +45,10 @@ def result(prepared: Prepared, path: Path) -> dict:
     level, its effects (None: without names), what it leaves on the judged readings and on those of role `report`.
     """
     least = min([prepared.base, *(step.hypothesis for step in path.steps)], key=lambda h: h.left)
-    floor = noise_floor(prepared.weighed, prepared.judged, least)
+    floor = noise_floor(prepared.weighed, least)
     written = {
         "threshold": path.threshold, "nothing": _nothing(prepared), "base": prepared.base.left, "floor": floor, "raw": prepared.raw,
-        "numerical": prepared.numerical, "untouched": _report(prepared, prepared.base),
+        "numerical": prepared.weighed.numerical, "untouched": _report(prepared, prepared.base),
         "path": [
             {"level": step.level, "effects": _named(prepared, step), "left": h.left, "report": _report(prepared, h)}
             for step in path.steps for h in (step.hypothesis,)
@@ -90,7 +90,7 @@ def _report(prepared: Prepared, h: Hypothesis) -> dict[str, float]:
     weighed = prepared.weighed
     rows = mask(weighed.model, prepared.roles.report)
     base, best = (judge(weighed, rows, (), x.fit) for x in (prepared.base, h))
-    return {"base": base.left, "best": best.left, "floor": noise_floor(weighed, rows, best)}
+    return {"base": base.left, "best": best.left, "floor": noise_floor(weighed, best)}
 
 
 def _nothing(prepared: Prepared) -> str:
