@@ -27,7 +27,6 @@ ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
-STEPPED = 0.9  # of what the best leaves, that it must leave at most with the steps of sensors that seem to show
 CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
 FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
 
@@ -93,8 +92,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
         if min((h.left for h in new), default=before) - state.floor > 0.7 * (before - state.floor):
             break
         _exchange(weighed, judged, state, everything)
-    stairs = staircases(weighed, state.best.fit)
-    if stairs and with_stairs(weighed, judged, state.best, stairs).left < STEPPED * state.best.left:
+    if stairs := staircases(weighed, judged, state.best):
         report("steps of sensors")  # seen by themselves, they belong to every answer
         state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
     state.floor = noise_floor(weighed, state.best)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .fit import Fit
-from .hypothesis import Hypothesis, judge
+from .hypothesis import Hypothesis, judge, residual
 from .parameters import Candidate, Free, effect_parameters
 from .record import rounding
 from .sensors import Sensors, late
@@ -23,6 +23,7 @@ FINER = 8  # points of the spectrum between two lines that the travel tells apar
 FEWEST = 4.0  # steps in the whole travel
 LINE = 40.0  # of the summed square, that a line has over the mean: chance gives 16 in one of a thousand records
 HEIGHT = (0.6, 1.3)  # of the first harmonic, over step / pi
+STEPPED = 0.8  # of what is left of a sensor, that must be left at most with its steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,18 @@ class Staircase:
     spread: float
 
 
-def staircases(weighed: Weighed, found: Fit) -> dict[int, Staircase]:
-    """Joint -> its sensor's steps, where they show beside a fit; sensors whose readings are multiples of a step have no secret."""
+def staircases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> dict[int, Staircase]:
+    """Joint -> its sensor's steps, where they show beside a hypothesis and it leaves less of that sensor with them."""
+    if not (seen := _seen(weighed, h.fit)):
+        return {}
+    each = (residual(weighed, x.fit) for x in (h, with_stairs(weighed, judged, h, seen)))
+    before, after = (np.nanmean(np.where(judged, left**2, np.nan), axis=0) for left in each)
+    gone = after < STEPPED * before
+    return {own: steps for own, steps in seen.items() if gone[weighed.model.own.index(own)]}
+
+
+def _seen(weighed: Weighed, found: Fit) -> dict[int, Staircase]:
+    """Joint -> steps that show beside a fit; sensors whose readings are multiples of a step have no secret."""
     model, record = weighed.model, weighed.model.record
     each = replace(model, mean=1)
     run = late(each.runs(found.free, found.x)[0], found.sensors.shift, record.step, each.starts)
