@@ -1,0 +1,77 @@
+"""Moves of the search: every candidate alone, pairs in the linear picture, one more beside others, one taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from .fit import Fit
+from .hypothesis import Hypothesis, Start, refine, residual, starts
+from .parameters import Candidate
+from .screen import Screen, screen
+from .weighed import Weighed
+
+SHAPES = 2  # sets of shapes of each candidate that are simulated
+PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
+MORE = 6  # names fitted beside others
+
+
+def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None) -> Screen:
+    """The linear picture about a fit, of responses about as large as what a fit (that one, if not another) leaves."""
+    left = residual(weighed, like or about)[weighed.chosen]
+    return screen(weighed, about, wanted, amplitude=float(np.sqrt(np.mean(left**2))))
+
+
+def singles(weighed: Weighed, about: Fit, seen: Screen, wanted: Sequence[Candidate]) -> list[Start]:
+    """A start for every candidate and its best shapes."""
+    return starts(weighed, about, seen, [((c,), s) for c in wanted for s in seen.best(c, SHAPES)])
+
+
+def first_of_each(found: Sequence[Start], count: int) -> list[Start]:
+    """The starts that leave least, one for each set of names."""
+    best: dict[frozenset, Start] = {}
+    for start in sorted(found, key=lambda s: s.cost):
+        best.setdefault(_names(start), start)
+    return list(best.values())[:count]
+
+
+def in_forms(found: Sequence[Start], names: int, forms: int) -> list[Start]:
+    """The first names, the very first of them in every form: all forms of a name come before a second name."""
+    first = first_of_each(found, names)
+    every = {_names(s) for s in first[:forms]}
+    best: dict[Candidate, Start] = {}
+    for start in sorted(found, key=lambda s: s.cost):
+        if _names(start) in every:
+            best.setdefault(start.effects[0], start)
+    return [*best.values(), *first[forms:]]
+
+
+def pairs_of(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alone: Sequence[Start]) -> list[Hypothesis]:
+    """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted."""
+    kept = [start.effects[0] for start in first_of_each(alone, len(alone))]
+    best = {c: seen.best(c)[0] for c in kept}
+    pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if a.effect != b.effect}
+    wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
+    return [refine(weighed, judged, start) for start in first_of_each(starts(weighed, about, seen, wanted), PAIRS)]
+
+
+def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate]) -> list[Hypothesis]:
+    """One more effect beside others, in a linear picture about them; the first name in all its forms."""
+    wanted = [c for c in everything if all(c.effect != e.effect for e in others.effects)]
+    found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
+    return [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in found]
+
+
+def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
+    """A hypothesis fitted again without one of its effects."""
+    rows = {row for shape in (False, True) for row, _ in effect.rows(shape=shape)}
+    kept = [i for i, f in enumerate(h.fit.free) if f.row not in rows]
+    rest = tuple(c for c in h.effects if c != effect)
+    return refine(weighed, judged, Start(rest, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
+
+
+def _names(start: Start) -> frozenset:
+    return frozenset(c.name for c in start.effects)
