@@ -16,6 +16,7 @@ from .weighed import Weighed
 
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
+HARMLESS = 1.1  # times what was left before
 MORE = 6  # names fitted beside others
 
 
@@ -67,10 +68,24 @@ def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything:
 
 def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
     """A hypothesis fitted again without one of its effects."""
-    rows = {row for shape in (False, True) for row, _ in effect.rows(shape=shape)}
-    kept = [i for i, f in enumerate(h.fit.free) if f.row not in rows]
-    rest = tuple(c for c in h.effects if c != effect)
-    return refine(weighed, judged, Start(rest, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
+    return _less(weighed, judged, h, tuple(c for c in h.effects if c != effect))
+
+
+def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
+    """A hypothesis fitted again with one of its effects at one joint only, where it has it at two; and on, while that does no harm."""
+    found = []
+    for i, c in enumerate(h.effects):
+        for joint in c.places if len(c.places) > 1 else ():
+            found.append(_less(weighed, judged, h, (*h.effects[:i], replace(c, joints=(joint,)), *h.effects[i + 1 :])))
+    best = min(found, key=lambda n: n.left, default=None)
+    return [*found, *narrowed(weighed, judged, best)] if best and best.left < HARMLESS * h.left else found
+
+
+def _less(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effects: tuple[Candidate, ...]) -> Hypothesis:
+    """A hypothesis fitted again from where it is, with no more than these effects."""
+    rows = {row for c in effects for shape in (False, True) for row, _ in c.rows(shape=shape)}
+    kept = [i for i, f in enumerate(h.fit.free) if f.row.startswith("change.") or f.row in rows]
+    return refine(weighed, judged, Start(effects, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
 
 
 def _names(start: Start) -> frozenset:
