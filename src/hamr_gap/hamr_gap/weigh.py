@@ -48,7 +48,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
     """
     gap = max(state.base.left - state.floor, 1e-12)
     least = FORM_ERROR + (FLOOR_ERROR * state.floor + 2.0 * DECIDES / count) / gap
-    found: list[tuple[Hypothesis | None, float, float]] = [(None, UNKNOWN, -SHARPNESS * np.log(UNKNOWN + least))]
+    found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
     for names, h in best.items():
         if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names):
@@ -60,6 +60,8 @@ def weigh(state: Search, count: int) -> list[Weight]:
             price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
             price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
+    _, left, first = max(found, key=lambda f: f[2], default=(None, UNKNOWN, 0.0))
+    found.append((None, UNKNOWN, first + SHARPNESS * np.log((left + least) / (UNKNOWN + least))))  # whatever the price of the first name
     score = np.array([s for _, _, s in found])
     p = np.exp(score - score.max())
     p /= p.sum()
