@@ -16,6 +16,7 @@ from .weighed import Weighed
 
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
+PROMISING = 3.0  # times the cost of the best start, from which a larger set is fitted at all
 HARMLESS = 1.1  # times what was left before
 MORE = 6  # names fitted beside others
 
@@ -56,14 +57,14 @@ def pairs_of(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alo
     best = {c: seen.best(c)[0] for c in kept}
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if a.effect != b.effect}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return [refine(weighed, judged, start) for start in first_of_each(starts(weighed, about, seen, wanted), PAIRS)]
+    return [refine(weighed, judged, start) for start in _promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS))]
 
 
 def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate]) -> list[Hypothesis]:
     """One more effect beside others, in a linear picture about them; the first name in all its forms."""
     wanted = [c for c in everything if all(c.effect != e.effect for e in others.effects)]
     found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
-    return [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in found]
+    return [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in _promising(found)]
 
 
 def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
@@ -72,11 +73,11 @@ def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candida
 
 
 def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis fitted again with one of its effects at one joint only, where it has it at two; and on, while that does no harm."""
+    """A hypothesis fitted again without one of its effects, or with it at one joint instead of two; and on, while that does no harm."""
     found = []
     for i, c in enumerate(h.effects):
-        for joint in c.places if len(c.places) > 1 else ():
-            found.append(_less(weighed, judged, h, (*h.effects[:i], replace(c, joints=(joint,)), *h.effects[i + 1 :])))
+        fewer = [(replace(c, joints=(joint,)),) for joint in c.places if len(c.places) > 1] + [()] * (len(h.effects) > 1)
+        found += [_less(weighed, judged, h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for some in fewer]
     best = min(found, key=lambda n: n.left, default=None)
     return [*found, *narrowed(weighed, judged, best)] if best and best.left < HARMLESS * h.left else found
 
@@ -86,6 +87,12 @@ def _less(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effects: tuple[Ca
     rows = {row for c in effects for shape in (False, True) for row, _ in c.rows(shape=shape)}
     kept = [i for i, f in enumerate(h.fit.free) if f.row.startswith("change.") or f.row in rows]
     return refine(weighed, judged, Start(effects, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
+
+
+def _promising(found: Sequence[Start]) -> list[Start]:
+    """Those whose starts are not far worse than the best."""
+    least = min((start.cost for start in found), default=0.0)
+    return [start for start in found if start.cost <= PROMISING * least]
 
 
 def _names(start: Start) -> frozenset:

@@ -22,7 +22,7 @@ def sides(x: Input, p, z):
     return clip(x.u, -(1.0 / p["lower"]), 1.0 / p["upper"]), z
 
 
-THRESHOLDS = (0.35, 0.45, 0.6, 0.8)  # one over a limit has no effect until the limit is met
+THRESHOLDS = (0.36, 0.4, 0.45, 0.5, 0.56, 0.63, 0.72, 0.85)  # one over a limit has no effect until the limit is met, and then much
 
 EFFECT = Effect(
     name="drive_saturation",
