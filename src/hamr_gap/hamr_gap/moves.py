@@ -8,14 +8,17 @@ from itertools import combinations
 
 import numpy as np
 
+from hamr_dynamics.effects.library import library
+
 from .fit import Fit
 from .hypothesis import Hypothesis, Start, refine, residual, starts
-from .parameters import Candidate
+from .parameters import Candidate, effect_parameters
 from .screen import Screen, screen
 from .weighed import Weighed
 
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
+LITTLE = 1e-3  # of its prior, at which a size begins of which nothing is known
 PROMISING = 3.0  # times the cost of the best start, from which a larger set is fitted at all
 HARMLESS = 1.1  # times what was left before
 MORE = 6  # names fitted beside others
@@ -80,6 +83,22 @@ def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypoth
         found += [_less(weighed, judged, h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for some in fewer]
     best = min(found, key=lambda n: n.left, default=None)
     return [*found, *narrowed(weighed, judged, best)] if best and best.left < HARMLESS * h.left else found
+
+
+def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
+    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that has it as a special case."""
+    values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
+    retuned = [f for f in h.fit.free if f.row.startswith("change.")]
+    found = []
+    for i, c in enumerate(h.effects):
+        inner = [Candidate(name, form.name, c.joints) for name in library()[c.effect].contains for form in library()[name].forms]
+        for simple in (s for s in inner if s.law.acts == c.law.acts):
+            effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
+            like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
+            free = (*retuned, *effect_parameters(effects, weighed.model.scales))
+            x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
+            found.append(refine(weighed, judged, Start(effects, free, x, np.inf)))
+    return found
 
 
 def _less(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effects: tuple[Candidate, ...]) -> Hypothesis:

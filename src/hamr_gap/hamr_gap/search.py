@@ -10,7 +10,7 @@ import numpy as np
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, refine, residual
-from .moves import beside, in_forms, look, narrowed, pairs_of, singles, without
+from .moves import beside, in_forms, look, narrowed, pairs_of, singles, special_cases, without
 from .parameters import Candidate
 from .record import noise_of
 from .screen import Screen
@@ -97,6 +97,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
             break
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += narrowed(weighed, judged, state.best)
+    state.tried += special_cases(weighed, judged, state.best)
     if stairs := staircases(weighed, judged, state.best):
         report("steps of sensors")  # seen by themselves, they belong to every answer
         state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
