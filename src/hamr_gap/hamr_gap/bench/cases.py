@@ -51,7 +51,7 @@ def case_of(answer: Path) -> Case:
 def from_plain(content: dict) -> Case:
     """A case from what `asdict` made of it."""
     effects = tuple(Effect(e["family"], tuple(e["joints"]), e["law"], e["parameters"]) for e in content["effects"])
-    tuples = {key: tuple(content[key]) for key in ("channels", "reached")}
+    tuples = {key: tuple(content[key]) for key in ("channels", "reached") if key in content}
     return Case(**content | tuples | {"effects": effects})
 
 
