@@ -81,6 +81,8 @@ class Bench:
     """Of each record."""
     again: bool = False
     """Also make the experiments that verdicts ask for, and settle them with both runs."""
+    stable: bool = False
+    """Also solve cases with other noise, and from half of the data."""
     ideals: bool = False
     """Also ask noise-free data what they could have told: which names, and the right ones' parameters."""
     workers: int = 2

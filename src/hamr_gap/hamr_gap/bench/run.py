@@ -18,13 +18,13 @@ from tqdm import tqdm
 
 from hamr_description.errors import ConfigError
 
-from . import cases, score, second, told
+from . import cases, other, score, second, told
 
 
 def bench(
     out: Path, *, set: str = "development", singles: int = 0, pairs: int = 0, triples: int = 0, nulls: int = 0, outside: int = 0,
-    twins: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0, again: bool = False, ideals: bool = False,
-    workers: int = 2, verdicts: str = "verdicts",
+    twins: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0, again: bool = False, stable: bool = False,
+    ideals: bool = False, workers: int = 2, verdicts: str = "verdicts",
 ) -> dict[str, str]:  # fmt: skip
     """Runs cases of a set.
 
@@ -32,6 +32,7 @@ def bench(
         out: folder of cases, answers and verdicts. set: development, calibration or report; each has seeds of its own.
         singles: how many of each group. first: index of the first.
         strength: of each effect, in floors. seconds: of each record. again: whether experiments that verdicts ask for are made.
+        stable: whether cases are solved with other noise, and from half of the data, too.
         ideals: whether noise-free data are asked what could have been told. workers: processes.
         verdicts: name of the folder of verdicts, for another version of the solver on the same cases.
 
@@ -55,7 +56,12 @@ def bench(
         runs = {name: second.folder_of(out, verdicts) / f"{name}.npz" for name in asked}
         _each(workers, "second", [[str(out), verdicts, str(name)] for name, path in runs.items() if not path.exists()])
         both = {name: [out / "cases" / f"{name}.npz", path] for name, path in runs.items() if path.exists()}
-        _blind(workers, score.settled(out, verdicts), both)
+        _blind(workers, score.kept_in(out, verdicts, "second"), both)
+    if stable:
+        _each(workers, "other", [[str(out), str(name)] for name in names if not other.file_of(out, other.WAYS[-1], name).exists()])
+        for way in other.WAYS:
+            runs = {name: [other.file_of(out, way, name)] for name in names if other.file_of(out, way, name).exists()}
+            _blind(workers, score.kept_in(out, verdicts, way), runs)
     if ideals:
         _each(workers, "ideal", [[str(out), str(name)] for name in names if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]

@@ -38,9 +38,9 @@ class Scored:
         return self.truth in self.answers
 
 
-def settled(out: Path, verdicts: str) -> Path:
-    """Where the verdicts lie that experiments have settled."""
-    return out / f"{verdicts}_settled"
+def kept_in(out: Path, verdicts: str, way: str) -> Path:
+    """Where verdicts lie about the same cases from other runs: "second" (with the experiment asked for), "noise", "half"."""
+    return out / f"{verdicts}_{way}"
 
 
 def names(effects: Iterable) -> frozenset:

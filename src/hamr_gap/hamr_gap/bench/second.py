@@ -18,8 +18,8 @@ NOISE = 10_000_000  # added to a case's seed for the noise of its second run
 
 
 def folder_of(out: Path, verdicts: str) -> Path:
-    """Where second runs lie."""
-    return out / f"{verdicts}_second"
+    """Where second runs lie: each belongs to a verdict."""
+    return out / f"{verdicts}_asked"
 
 
 def measure_again(out: Path, verdicts: str, name: int) -> None:

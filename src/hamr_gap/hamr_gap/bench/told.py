@@ -8,7 +8,8 @@ from pathlib import Path
 
 from hamr_dynamics.effects.library import library
 
-from .score import Scored, names, rate, scored, settled
+from .other import WAYS
+from .score import Scored, kept_in, names, rate, scored
 
 TOLD_APART = 4.0  # d' from which data tell two laws apart
 
@@ -19,7 +20,7 @@ def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, s
     known = [c for c in cases if c.truth and c.name in ideals]
     rivals = {c.name: right_set(c.truth, ideals[c.name]["rivals"]) for c in known}
     blurred = [c for c in known if len(rivals[c.name]) > 1]
-    made = [(c, scored(out, c.name, settled(out, verdicts).name)) for c in cases if (settled(out, verdicts) / f"{c.name}.json").exists()]
+    made, (noise, half) = _pairs(out, cases, verdicts, "second"), (_pairs(out, cases, verdicts, way) for way in WAYS)
     asked = [c for c in cases if c.verdict == "ambiguous" and c.covered]
     silent = [c for c in asked if c.result["experiment"] and not c.result["experiment"]["signal"]]
     found = [
@@ -29,8 +30,22 @@ def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, s
         ("of these: confident and wrong", rate(c.verdict == "named" and not c.exact for c in blurred)),
         ("ambiguous: no experiment decides, it was said", rate(c in silent for c in asked)),
         ("ambiguous: settled by the run that was asked for", rate(b.verdict == "named" and b.exact for a, b in made if a.covered)),
+        ("same answer with other noise", rate(same(a, b) for a, b in noise)),
+        ("same answer from half of the data", rate(same(a, b) for a, b in half)),
     ]
     return [(name, text) for name, text in found if text != "-"]
+
+
+def _pairs(out: Path, cases: Sequence[Scored], verdicts: str, way: str) -> list[tuple[Scored, Scored]]:
+    """Cases with what was said of them from another run."""
+    folder = kept_in(out, verdicts, way)
+    return [(c, scored(out, c.name, folder.name)) for c in cases if (folder / f"{c.name}.json").exists()]
+
+
+def same(a: Scored, b: Scored) -> bool:
+    """Whether two verdicts have the same first name, or none for the same reason."""
+    named = ("named", "ambiguous")
+    return a.first == b.first and (a.verdict == b.verdict or {a.verdict, b.verdict} <= set(named))
 
 
 def right_set(truth: frozenset, rivals: Sequence) -> set[frozenset]:
