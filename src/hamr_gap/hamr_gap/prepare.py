@@ -19,6 +19,7 @@ from .weighed import Weighed
 
 FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
+HELD = 1.2
 TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
 
 
@@ -54,7 +55,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     noise = noise_of(record.readings) if noise is None else noise
     ways = (False, True) if record.drives_per_reading == 1 else (True,)
     tried = [_tuned(machine, replace(record, held=held), noise) for held in ways]
-    weighed, found, roles = min(tried, key=lambda t: np.sum((_rms(t[0], t[1].reading) / noise) ** 2))
+    weighed, found, roles = min(tried, key=lambda t: _surprise(t[0].model.record) * np.sum((_rms(t[0], t[1].reading) / noise) ** 2))
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
         substeps *= 2
@@ -72,6 +73,11 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
     return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise)
+
+
+def _surprise(record: Record) -> float:
+    """By how much less must be left of a drive held between samples, where the driver is known to be faster than that."""
+    return HELD if record.held and record.hold else 1.0
 
 
 def _on_time(weighed: Weighed, shift: float) -> Weighed:
