@@ -11,10 +11,11 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import CHANGES, Machine
 
 from .candidates import missing
+from .colour import correlation_time
 from .detect import detectable
 from .fit import Fit
 from .hypothesis import Hypothesis, judge, left_of, residual
-from .interval import correlation_time, intervals
+from .interval import intervals
 from .parameters import Candidate
 from .prepare import Prepared, prepare
 from .record import Record

@@ -52,16 +52,20 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
     model, until = weighed.model, weighed.until
     low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
     x, run = _started(weighed, free, np.clip(x0, low, high), center)
-    s, _ = weighed.solve_sensors(run)
-    s, cost = weighed.solve_sensors(run, weighed.sensors(s).shift)
-    cost += _prior(x, center, sd)
+    target = weighed.vector(model.target)
+    doubt = weighed.doubt(target - weighed.vector(run))
+    s, _ = weighed.solve_sensors(run, doubt=doubt)
+    s, cost = weighed.solve_sensors(run, weighed.sensors(s).shift, doubt)
+    cost += doubt * _prior(x, center, sd)
     converged = False
     for _ in range(steps):
         sensors = weighed.sensors(s)
         derivatives = jacobian(weighed, free, x, run, sensors)
-        residual = weighed.vector(model.target) - weighed.vector(sensors.read(run, model.reading_step, model.starts))
-        n = len(free)
-        precision = np.concatenate([sd**-2.0, weighed.sensor_precision])
+        residual = target - weighed.vector(sensors.read(run, model.reading_step, model.starts))
+        doubt, n = weighed.doubt(residual), len(free)
+        own = np.append(s[:-1], 0.0)  # the shift has no prior
+        cost = 0.5 * float(residual @ residual + doubt * (weighed.sensor_precision @ own**2)) + doubt * _prior(x, center, sd)
+        precision = doubt * np.concatenate([sd**-2.0, weighed.sensor_precision])
         gradient = derivatives.T @ residual - precision * np.concatenate([x - center, s])
         hessian = derivatives.T @ derivatives + np.diag(precision + 1e-9 * len(residual))
         direction = _bounded_step(hessian, gradient, x, low, high, n)
@@ -75,8 +79,8 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
         for k in np.flatnonzero(finite):
             if k < len(TRIALS) and k > 1 and costs[k - 1] > costs[k - 2] and costs[k - 2] < cost:
                 continue  # past the best
-            solutions[k], left = weighed.solve_sensors(runs[k], sensors.shift)
-            costs[k] = left + _prior(trials[k], center, sd)
+            solutions[k], left = weighed.solve_sensors(runs[k], sensors.shift, doubt)
+            costs[k] = left + doubt * _prior(trials[k], center, sd)
         best = int(np.argmin(costs))
         if not costs[best] < cost:
             converged = True

@@ -93,16 +93,17 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
     model, until = weighed.coarse or weighed.model, weighed.until
     coarse = base.run[:until] - model.runs(base.free, base.x, until)[0]  # what coarser steps do is known
     target = weighed.vector(model.target)
-    basis = np.linalg.qr(weighed.sensor_columns(weighed.moved(base.run, base.sensors.shift)))[0]
+    sensors = weighed.sensor_columns(weighed.moved(base.run, base.sensors.shift))
+    doubt = weighed.doubt(target - weighed.vector(base.reading))
+    solver = np.linalg.inv(sensors.T @ sensors + np.diag(doubt * weighed.sensor_precision)) @ sensors.T
     found: dict[int, Start] = {}
     for at in range(0, len(prepared), BATCH):
         part = prepared[at : at + BATCH]
         runs = coarse + model.run_rows(np.concatenate([model.rows(free, x) for _, free, x in part]), until)
         left = target - weighed.vector(base.sensors.read(runs, model.reading_step, model.starts))
-        left -= (left @ basis) @ basis.T
-        for k, ((effects, free, x), r) in enumerate(zip(part, left, strict=True)):
+        costs = 0.5 * np.sum(left * (left - (left @ solver.T) @ sensors.T), axis=1)  # sensors follow, as far as one believes them to
+        for k, ((effects, free, x), cost) in enumerate(zip(part, costs.tolist(), strict=True)):
             which = (at + k) // len(STEPS)
-            cost = 0.5 * float(r @ r)
             if np.isfinite(cost) and (which not in found or cost < found[which].cost):
                 found[which] = Start(effects, free, x, cost)
     return list(found.values())

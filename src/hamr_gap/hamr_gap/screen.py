@@ -140,10 +140,10 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     fixed = jacobian(everything, base.free, base.x, plain, base.sensors).T.reshape(-1, *plain.shape)
     every = np.concatenate([fixed, responses])
     residual = ((weighed.model.target - base.reading) / weighed.sigma)[:until]
-    ridge = np.concatenate([
+    a, r = every[:, chosen].astype(float), residual[chosen]
+    ridge = weighed.doubt(r) * np.concatenate([
         [f.sd**-2.0 for f in base.free], weighed.sensor_precision, [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
     ])  # fmt: skip
-    a, r = every[:, chosen].astype(float), residual[chosen]
     return Screen(columns, len(fixed), groups, (a @ a.T, a @ r, float(r @ r)), ridge)
 
 

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .colour import correlation_time
 from .model import Model
 from .sensors import Sensors, late, slope
 
@@ -98,13 +99,27 @@ class Weighed:
         gain[gains] = s[len(biased) : -1]
         return Sensors(bias, gain, float(s[-1]) * self.model.reading_step)
 
-    def solve_sensors(self, run: np.ndarray, about: float = 0.0) -> tuple[np.ndarray, float]:
-        """Best sensor coefficients for a run, and the half sum of squares that is left; `about`: shift near which they lie, T."""
+    def doubt(self, left: np.ndarray) -> float:
+        """How much more priors count beside what a model leaves, (m,) as of `vector`, than beside white noise of the size assumed.
+
+        Its mean square and its correlation time: a model that is wrong must not be mended by parameters that nobody believes.
+        """
+        known = np.full((self.until, len(self.sigma)), np.nan)
+        known.reshape(-1)[self._places] = left
+        return max(1.0, float(np.mean(left**2))) * correlation_time(known)
+
+    def solve_sensors(self, run: np.ndarray, about: float = 0.0, doubt: float = 1.0) -> tuple[np.ndarray, float]:
+        """Best sensor coefficients for a run, and the half sum of squares that is left, with their prior.
+
+        Args:
+            about: shift near which they lie, T. doubt: how much the prior counts.
+        """
         about = 0.0 if self.model.starts else about
         moved = self.moved(run, about)
         columns = self.sensor_columns(moved)
         residual = self.vector(self.model.target[: len(run)] - moved)
-        s = np.linalg.solve(columns.T @ columns + np.diag(self.sensor_precision), columns.T @ residual)
-        left = 0.5 * float(np.sum((residual - columns @ s) ** 2) + self.sensor_precision @ s**2)
+        precision = doubt * self.sensor_precision
+        s = np.linalg.solve(columns.T @ columns + np.diag(precision), columns.T @ residual)
+        left = 0.5 * float(np.sum((residual - columns @ s) ** 2) + precision @ s**2)
         s[-1] += about / self.model.reading_step
         return s, left

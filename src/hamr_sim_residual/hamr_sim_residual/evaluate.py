@@ -75,13 +75,17 @@ class Errors:
     finite: bool
 
 
-def errors(plant: str | Plant, truth: Truth, horizons: tuple[float, ...] = HORIZONS_MS) -> Errors:
-    """Errors of a plant in free runs from WINDOWS points of a run, evenly spread; horizons that do not fit the run are left out."""
+def errors(plant: str | Plant, truth: Truth, horizons: tuple[float, ...] = HORIZONS_MS, *, effects: str | Path = "") -> Errors:
+    """Errors of a plant in free runs from WINDOWS points of a run, evenly spread; horizons that do not fit the run are left out.
+
+    Args:
+        effects: file of what is added to the plant.
+    """
     horizons = tuple(h for h in horizons if h / SERVO_MS + 1 < len(truth.q) // 2)
     ahead = np.array([round(h / SERVO_MS) for h in horizons])
     last = int(ahead.max())
     starts = np.unique(np.linspace(1, len(truth.q) - last - 2, WINDOWS).astype(int))
-    sim = BatchSim(plant, len(starts), environment="suspended")
+    sim = BatchSim(plant, len(starts), environment="suspended", effects=effects or None)
     sim.set_state(q=truth.q[starts], qd=truth.qd[starts])
     run = sim.step_voltages(np.stack([truth.volts[s : s + last + 2] for s in starts]), record=True)
     inside = truth.inside.reshape(len(truth.q), 4, 2).all(axis=2).repeat(2, axis=1)

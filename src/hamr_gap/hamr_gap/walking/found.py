@@ -15,8 +15,9 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.effects.si import si_factor, si_unit
 
 from ..analyse import CONFIRMED, SIGNIFICANT
+from ..colour import correlation_time
 from ..found import STATES, Found
-from ..interval import NORMAL_95, correlation_time
+from ..interval import NORMAL_95
 from ..parameters import Free
 from ..verdict import Answer, Estimate, Gap, NamedEffect, Verdict
 from ..weigh import Weight, better, credible, weigh

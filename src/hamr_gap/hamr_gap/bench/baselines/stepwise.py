@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...candidates import candidates
+from ...colour import correlation_time
 from ...hypothesis import Hypothesis, Start, refine, residual, starts
-from ...interval import correlation_time
 from ...parameters import Candidate
 from ...prepare import Prepared
 from ...screen import screen
