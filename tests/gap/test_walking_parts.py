@@ -14,8 +14,10 @@ from hamr_bags.as_measured import NOISE, strokes
 from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
-from hamr_gap.walking.robot import NUMERICS, Robot
-from hamr_gap.walking.search import TURN_MS, TURNS, roles, trimmed
+from hamr_gap.walking import robot
+from hamr_gap.walking.hypothesis import trimmed
+from hamr_gap.walking.robot import Numerics, Robot
+from hamr_gap.walking.roles import TURN_MS, TURNS, roles
 from hamr_gap.walking.segments import CHANGES, segments
 from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retune, setting
 from hamr_gap.walking.starts import Replay, start
@@ -117,12 +119,12 @@ def test_fitted_starts_predict_to_the_noise_where_smoothed_ones_do_not():
     """Same ground: what fitted starts leave is what true starts leave, and a small part of what smoothed ones do."""
     walk, states = walked()
     chosen = segments(walk, length_ms=20.0, every_ms=40.0)
-    replay = Replay.of(Robot("simple", NUMERICS[1]), chosen)
+    replay = Replay.of(Robot("simple", Numerics(1, 0.1)), chosen)
     smoothed = replay.each(np.zeros((len(chosen), CHANGES)), [Setting()])[0][:, :-CHANGES]
     fitted = start(replay, Setting()).residual[:, :-CHANGES]
     true = states[chosen.first // 16]
     runs = replay.robot.run(true, replay.observed.drives, [Setting()], np.zeros(len(chosen), int), np.arange(len(chosen)))
-    from_true = replay.observed.residual(true, runs, np.zeros((len(chosen), 11)), np.arange(len(chosen)))
+    from_true = replay.observed.residual(true, runs, np.zeros((len(chosen), 11)), np.zeros((len(chosen), 8)), np.arange(len(chosen)))
     assert trimmed(fitted)[0] < 0.1 * trimmed(smoothed)[0]
     assert trimmed(fitted)[0] < 1.2 * trimmed(from_true)[0]
     assert trimmed(fitted)[0] < 6.0  # of means over 1 ms: an angle is a noise or so off
@@ -137,8 +139,24 @@ def test_settings_carry_every_free_number_once():
     values = dict(zip((f.row for f in free), x, strict=True))
     assert model.shift == pytest.approx(0.25 * values["shift"])
     assert model.zeros[0] == pytest.approx(0.2 * values["zero.height"])
-    changes = {(c.change, c.joints[0].split("_")[1]): c.value for c in model.effects.changes}
-    assert changes["stiffness", "lift"] == pytest.approx(0.6e-3 * values["change.stiffness.lift"])
-    assert changes["gain", "swing"] == pytest.approx(values["change.gain.swing"])
-    assert len(model.effects.changes) == 10
+    assert model.gains[3] == pytest.approx(0.01 * values["gain.rl_lift"])
+    changes = {(c.change, c.joints): c.value for c in model.effects.changes}
+    assert changes["stiffness", ("rr_lift",)] == pytest.approx(0.6e-3 * values["change.stiffness.rr_lift"])
+    assert changes["gain", ("fl_swing",)] == pytest.approx(values["change.gain.fl_swing"])
+    assert len(model.effects.changes) == 40
     assert model.effects.effects[0].joints == ("fl_swing", "rl_swing", "fr_swing", "rr_swing")
+
+
+def test_kernels_with_one_law_do_what_the_whole_bank_does(monkeypatch):
+    monkeypatch.setattr(robot, "WORTH", 0)
+    walk, _ = walked()
+    chosen = segments(walk, length_ms=8.0, every_ms=160.0)
+    replay = Replay.of(Robot("simple"), chosen)
+    one = Candidate("coulomb_friction", "sign", "all")
+    more = [one, Candidate("drive_lag", "first_order", "all"), Candidate("cubic_stiffness", "cubic", "all")]
+    free = effect_parameters([one])
+    x = np.array([f.center or 0.2 for f in free])
+    still = np.zeros((len(chosen), CHANGES))
+    alone, among = (replay.each(still, [setting(free, x, effects)])[0] for effects in ([one], more))
+    assert np.abs(alone - replay.each(still, [Setting()])[0]).max() > 1.0
+    assert np.allclose(alone, among, atol=1e-6)

@@ -79,7 +79,7 @@ def source(plant: Plant, environment: str, robots: int, dtype: str, h: float, li
     legs = 4 * robots
     if environment == "ground":
         chain = [
-            (stages.predict(h, effects=plant.effects), robots), (stages.reach(plant, h), legs),
+            (stages.predict(h, effects=plant.effects, laws=plant.laws), robots), (stages.reach(plant, h), legs),
             (stages.balance_soft(h, effects=plant.effects), robots), (stages.grounded(plant, h), legs),
             (stages.balance_free(h, effects=plant.effects), robots), (stages.finish_legs(h), legs),
         ]  # fmt: skip
@@ -87,7 +87,7 @@ def source(plant: Plant, environment: str, robots: int, dtype: str, h: float, li
         chain = [(stages.suspended(plant, h), legs)]
     servo, observe = stages.servo(limit), stages.observe(plant, h)
     rows = stages.state_rows(plant), stages.parameter_rows(plant)
-    early = [(bank_stages.sense(*rows, h), legs), (bank_stages.command(*rows, h), legs)] if plant.effects else []
+    early = [(stage(*rows, h, plant.laws), legs) for stage in (bank_stages.sense, bank_stages.command)] if plant.effects else []
     places, spans, size = _layout(plant, [*early, *chain, (servo, legs), (observe, legs)], robots)
     driven = places | {"drive": places["torque"]} if plant.network else places
     acting, sense, command = "{drive}".format(**spans), "", ""

@@ -55,12 +55,12 @@ GROUNDED = rows(rhs=6, own=2, force=3)
 
 def state_rows(plant: Plant) -> tuple[str, ...]:
     """Rows of the legs' state."""
-    return (*STATE, *bank_stages.STATE) if plant.effects else STATE
+    return (*STATE, *bank_stages.carried(plant.laws).state) if plant.effects else STATE
 
 
 def body_rows(plant: Plant) -> tuple[str, ...]:
     """Rows of the chassis's parameters."""
-    return (*BODY, *bank_stages.BODY) if plant.effects else BODY
+    return (*BODY, *bank_stages.carried(plant.laws).body) if plant.effects else BODY
 
 
 def seen_rows(plant: Plant) -> tuple[str, ...]:
@@ -71,7 +71,8 @@ def seen_rows(plant: Plant) -> tuple[str, ...]:
 def renewed(plant: Plant) -> dict[str, tuple[str, int]]:
     """Outputs that take the place of an input: output -> (input, first row)."""
     own = {"new_state": ("state", 0), "new_base": ("base", 0)}
-    return own | {new: ("state", len(STATE) + first) for new, first in bank_stages.FIRST.items()} if plant.effects else own
+    more = bank_stages.carried(plant.laws).first if plant.effects else {}
+    return own | {new: ("state", len(STATE) + first) for new, first in more.items()}
 
 
 def by_leg(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -83,7 +84,7 @@ def parameter_rows(plant: Plant) -> tuple[str, ...]:
     """Leg parameters that vary by lane: tunable ones, and whatever differs between the legs."""
     legs = [flatten(plant.parameters(leg)) for leg in LEGS]
     different = [k for k in legs[0] if k.split(".")[0] in plant.tunable or len({leg[k] for leg in legs}) > 1]
-    return (*different, *ENVIRONMENT, *(bank_stages.PARAMETERS if plant.effects else ()))
+    return (*different, *ENVIRONMENT, *(bank_stages.carried(plant.laws).parameters if plant.effects else ()))
 
 
 def _parameters(stage: Stage, plant: Plant) -> dict:
@@ -104,7 +105,7 @@ def _write_state(stage: Stage, state: LegState, stops) -> None:
 
 def _memory(plant: Plant) -> dict[str, tuple[str, ...]]:
     """Outputs of a stage that evaluates `_leg`, besides its own."""
-    return {"new_force": bank_stages.FORCE} if plant.effects else {}
+    return {"new_force": bank_stages.carried(plant.laws).force} if plant.effects else {}
 
 
 def _leg(plant: Plant, stage: Stage, h: float) -> Callable:
@@ -150,7 +151,7 @@ def observe(plant: Plant, h: float) -> Stage:
     state = _state(stage)
     leg = plant.leg(state.q, state.v, stage.reads("drive", "drive", 2), _parameters(stage, plant))
     if plant.effects:
-        leg = bank_stages.seen(stage, leg, h)
+        leg = bank_stages.seen(stage, leg, h, plant.laws)
     tips = tuple(t.value for t in leg.tips), tuple(t.rate(state.v) for t in leg.tips)
     tip, tip_rate = bank_stages.tips(stage, leg, state.v) if plant.effects else tips
     stage.write("seen", "tip", tip)
@@ -165,11 +166,12 @@ def _base_state(stage: Stage) -> BaseState:
     return BaseState(*(stage.reads("base", name, n) for name, n in sizes.items()))
 
 
-def predict(h: float, *, effects: bool = False) -> Stage:
+def predict(h: float, *, effects: bool = False, laws: bank_stages.Laws = None) -> Stage:
     """Base half a step ahead."""
     inputs, pose, near = {"base": BASE}, POSE, NEAR
     if effects:
-        inputs, pose, near = inputs | {"body": (*BODY, *bank_stages.BODY)}, (*POSE, *bank_stages.POSE), (*NEAR, *bank_stages.NEAR)
+        inputs |= {"body": (*BODY, *bank_stages.carried(laws).body)}
+        pose, near = (*POSE, *bank_stages.POSE), (*NEAR, *bank_stages.NEAR)
     stage = Stage("predict", inputs, {"pose": pose, "near": by_leg(near)})
     state = _base_state(stage)
     quaternion, matrix, height, velocity, omega_mid = base_ahead(state, h)
@@ -183,7 +185,7 @@ def predict(h: float, *, effects: bool = False) -> Stage:
             stage.write("near", f"{leg}.{name}", mirror(leg, vector))
         stage.write("near", f"{leg}.height", height)
     if effects:
-        pull = bank_stages.surroundings(stage, state, matrix)
+        pull = bank_stages.surroundings(stage, state, matrix, laws)
         for leg in LEGS:
             stage.write("near", f"{leg}.pull", mirror(leg, pull))
     return stage

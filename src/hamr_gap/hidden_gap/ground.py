@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hamr_description.errors import ConfigError, ModelError
-from hamr_description.names import JOINTS
+from hamr_description.names import AXES, JOINTS
 
 from .case import Effect
 from .conditions import changes
@@ -17,30 +17,30 @@ from .ground_bag import write
 from .ground_case import KINDS, GroundCase, conditions
 from .ground_laws import GroundLaw, families, laws_of
 from .ground_strength import shown, walked
-from .laws import LAWS, Law
+from .laws import BOTH, LAWS, Law
 from .sizing import CLOSE, search
 
-__all__ = ["TURNS", "GroundCase", "draw", "turn", "write"]
+__all__ = ["GROUPS", "GroundCase", "draw", "turn", "write"]
 
-NULLS = ("nothing", "changes")
-#: What is hidden, by turns with the seed.
-TURNS = (*families(), *NULLS)
+#: What is hidden in the cases of a group, by turns with the seed.
+GROUPS = {"ground": families(), "ground_null": ("nothing", "changes")}
+AXIS = {axis: tuple(joint for joint in JOINTS if joint.endswith(axis)) for axis in AXES}
 ATTEMPTS = 20
 SPARE = 88  # apart from the groups of draw.GROUPS
 #: Seconds of the brief run on which a size is sought, how near it must come there, and trials on it and on the whole run.
 BRIEF, NEAR, TRIALS, WHOLE_TRIALS = 2.0, 0.1, 8, 4
 
 
-def turn(seed: int) -> str:
-    """What the case of a seed hides: a name, or one of NULLS."""
-    return TURNS[seed % len(TURNS)]
+def turn(group: str, seed: int) -> str:
+    """What the case of a group and seed hides: a name, or what a null does instead."""
+    return GROUPS[group][seed % len(GROUPS[group])]
 
 
-def draw(seed: int, *, strength: float = 5.0, seconds: float = 12.0) -> GroundCase:
+def draw(group: str, seed: int, *, strength: float = 5.0, seconds: float = 12.0) -> GroundCase:
     """Draw a case.
 
     Args:
-        seed: equal arguments give equal cases; `turn(seed)` is hidden.
+        group: one of GROUPS. seed: equal arguments give equal cases; `turn(group, seed)` is hidden.
         strength: rms over segments of 20 ms of the run minus that without the effect from the same states, in floors of the sensor noise,
             in the channel (hip angle, axis of position or orientation) that shows it most.
         seconds: length of the run, 1 to 12.
@@ -48,17 +48,19 @@ def draw(seed: int, *, strength: float = 5.0, seconds: float = 12.0) -> GroundCa
     Returns:
         A case that reaches the strength within 5 %. ConfigError if no draw does.
     """
-    hides = turn(seed)
+    if group not in GROUPS:
+        raise ConfigError(f"There is no group '{group}' of cases on the ground; choose one of {', '.join(GROUPS)}.")
+    hides = turn(group, seed)
     for attempt in range(ATTEMPTS):
         random = np.random.default_rng([SPARE, seed, attempt])
-        case = conditions(f"ground-{seed}", seed, strength, seconds, random)
+        case = conditions(group, seed, strength, seconds, random)
         try:
-            if hides in NULLS:
+            if group == "ground_null":
                 case = replace(case, changes=changes(random, JOINTS, KINDS) if hides == "changes" else {})
                 case.run()  # must not fall over
                 return case
             options = laws_of(hides)
-            if found := _sized(case, _effect(options[seed // len(TURNS) % len(options)], random)):
+            if found := _sized(case, _effect(options[seed // len(GROUPS[group]) % len(options)], random)):
                 return found
         except ModelError:
             continue
@@ -66,10 +68,14 @@ def draw(seed: int, *, strength: float = 5.0, seconds: float = 12.0) -> GroundCa
 
 
 def _effect(law: GroundLaw | Law, random: np.random.Generator) -> Effect:
-    """A law at all legs or the body, parameters from its ranges; its size is a first guess."""
+    """A law of all legs or the body, parameters from its ranges; its size is a first guess.
+
+    What a whole leg cannot show, all legs cannot either: a delay of all drives is one of the clock, so it is at one axis.
+    """
     parameters = {name: parameter(*bounds, random, law.size != name) for name, bounds in law.ranges.items()}
     parameters[law.size] = math.sqrt(math.prod(law.ranges[law.size]))
-    return Effect(law.family, JOINTS if law.name in LAWS else (), law.name, parameters)
+    joints = () if law.name not in LAWS else JOINTS if BOTH in law.places else AXIS[random.choice(AXES)]
+    return Effect(law.family, joints, law.name, parameters)
 
 
 def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:

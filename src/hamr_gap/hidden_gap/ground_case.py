@@ -24,9 +24,10 @@ class GroundCase:
     """A hidden robot that walks, and how it is measured; equal cases give equal numbers.
 
     Attributes:
-        name: for the answers' file only.
+        name: group and seed, for the answers' file only.
+        group: one of `ground.GROUPS`.
         seed: of the draw, the excitation and the noise.
-        effects: what is hidden; empty for a null. Effects of legs act at all joints, those of body and contact at none.
+        effects: what is hidden; empty for a null. Effects of legs act at all joints or those of an axis, those of body and contact at none.
         changes: hidden changes of parameters, KINDS of names.JOINTS, and the common time shift.
         seconds: length of the run.
         excitation: arguments of hamr_bags.excitation.excitation.
@@ -39,6 +40,7 @@ class GroundCase:
     """
 
     name: str
+    group: str
     seed: int
     effects: tuple[Effect, ...]
     changes: dict[str, float]
@@ -66,11 +68,11 @@ class GroundCase:
         return walked(self.effects, self.changes, self.volts(), step=self.step)
 
 
-def conditions(name: str, seed: int, strength: float, seconds: float, random: np.random.Generator) -> GroundCase:
+def conditions(group: str, seed: int, strength: float, seconds: float, random: np.random.Generator) -> GroundCase:
     """A case without effects: half of them trot; changes of parameters in 7 of 10."""
     noise = float(np.exp(random.uniform(*np.log(NOISE))))
     hidden = changes(random, JOINTS, KINDS) if random.random() < 0.7 else {}
-    return GroundCase(name, seed, (), hidden, seconds, _signal(seconds, random), noise, strength=strength)
+    return GroundCase(f"{group}-{seed}", group, seed, (), hidden, seconds, _signal(seconds, random), noise, strength=strength)
 
 
 def _signal(seconds: float, random: np.random.Generator) -> dict:

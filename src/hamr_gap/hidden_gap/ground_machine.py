@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import mujoco
@@ -34,7 +34,7 @@ PAYLOAD_SIZE = 1.5  # mm, radius of gyration
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """Coordinates (n, 15) at 4 kHz, free joint first, hip angles in the order of names.JOINTS; states at marks."""
+    """Coordinates (n, 15) at 4 kHz, free joint first, hip angles in the order of names.JOINTS; states at marks, in MuJoCo's own order."""
 
     qpos: np.ndarray
     mark_qpos: np.ndarray
@@ -102,7 +102,8 @@ class Walker:
         )  # fmt: skip
         if not fine or not np.isfinite(found.qpos).all():
             raise ModelError("the hidden robot diverges; draw another seed.")
-        return found
+        order = np.r_[:7, [model.joint(joint).qposadr[0] for joint in JOINTS]]
+        return replace(found, qpos=found.qpos[:, order])
 
 
 @cache

@@ -73,6 +73,10 @@ class Bench:
     """Cases with a law that no library names."""
     twins: int = 0
     """Cases under conditions that hide the difference between names."""
+    ground: int = 0
+    """Cases with one effect, of the whole robot walking on the ground."""
+    ground_nulls: int = 0
+    """Cases with none, likewise: nothing, other parameters."""
     first: int = 0
     """Number of the first case of each kind."""
     strength: float = 5.0

@@ -23,17 +23,19 @@ Law = tuple[str, Form]  # effect name, one of its forms
 
 @dataclass(frozen=True, slots=True)
 class Bank:
-    """All forms of some kinds at one machine: of one joint, of two coupled ones, or of none (the chassis)."""
+    """All forms of some kinds, or those of some laws (effect, form), at one machine: of one joint, of two coupled ones, or of none."""
 
     joints: int
     acts: tuple[str, ...] = ACTS
+    laws: frozenset[tuple[str, str]] | None = None
 
     @property
     def forms(self) -> list[Law]:
         """(effect name, form) in order of action."""
         acts = [kind for kind in self.acts if kind != "pair" or self.joints == 2]
         found = [(name, form) for name, effect in library().items() for form in effect.forms if form.acts in acts]
-        return sorted(found, key=lambda item: item[1].order)
+        chosen = [(name, form) for name, form in found if self.laws is None or (name, form.name) in self.laws]
+        return sorted(chosen, key=lambda item: item[1].order)
 
     def of(self, *acts: str) -> list[Law]:
         """Those of some kinds."""

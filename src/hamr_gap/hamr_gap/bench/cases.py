@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 import hidden_gap
+from hidden_gap import ground
 from hidden_gap.case import JOINTS, LEG, Case, Effect, Truth
 
 from ..legs import record_of
@@ -21,7 +23,7 @@ from ..measured import Samples
 from ..record import Record
 
 JUMPS = ("mix", "steps", "triangle")  # excitations whose drive is recorded at its own rate: slower samples lose when it jumps
-GROUPS = {"single": 0, "pair": 1, "triple": 2, "null": 3, "outside": 4, "twins": 5}
+GROUPS = {"single": 0, "pair": 1, "triple": 2, "null": 3, "outside": 4, "twins": 5, "ground": 6, "ground_null": 7}
 SETS = {"development": 100_000, "calibration": 200_000, "report": 300_000}
 
 
@@ -33,14 +35,26 @@ def number(group: str, set_: str, index: int) -> int:
 def make(folder: Path, group: str, set_: str, index: int, *, strength: float, seconds: float) -> None:
     """Draws a case, unless it is there."""
     name = number(group, set_, index)
-    case_file, answer_file = folder / "cases" / f"{name}.npz", folder / "answers" / f"{name}.json"
-    if case_file.exists() and answer_file.exists():
+    file, answer_file = path(folder, name), folder / "answers" / f"{name}.json"
+    if file.exists() and answer_file.exists():
         return
-    case = hidden_gap.draw(group, name, strength=strength, seconds=seconds)
-    truth = hidden_gap.simulate(case)
-    store(case_file, samples_of(case, truth, hidden_gap.measured(case, truth), recorded(case, truth)))
+    if group in ground.GROUPS:
+        shutil.rmtree(file, ignore_errors=True)  # half of a bag, if there is
+        file.parent.mkdir(parents=True, exist_ok=True)
+        answer = ground.write(ground.draw(group, name, strength=strength, seconds=seconds), file)
+    else:
+        case = hidden_gap.draw(group, name, strength=strength, seconds=seconds)
+        truth = hidden_gap.simulate(case)
+        store(file, samples_of(case, truth, hidden_gap.measured(case, truth), recorded(case, truth)))
+        answer = asdict(case)
     answer_file.parent.mkdir(parents=True, exist_ok=True)
-    answer_file.write_text(json.dumps(asdict(case), indent=1))
+    answer_file.write_text(json.dumps(answer, indent=1))
+
+
+def path(folder: Path, name: int) -> Path:
+    """Where a case lies: a file of a leg, or the bag of a robot on the ground."""
+    walks = name % 100_000 // 10_000 in (GROUPS[group] for group in ground.GROUPS)
+    return folder / "cases" / (str(name) if walks else f"{name}.npz")
 
 
 def case_of(answer: Path) -> Case:

@@ -23,8 +23,8 @@ from . import cases, other, score, second, told
 
 def bench(
     out: Path, *, set: str = "development", singles: int = 0, pairs: int = 0, triples: int = 0, nulls: int = 0, outside: int = 0,
-    twins: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0, again: bool = False, stable: bool = False,
-    ideals: bool = False, workers: int = 2, verdicts: str = "verdicts",
+    twins: int = 0, ground: int = 0, ground_nulls: int = 0, first: int = 0, strength: float = 5.0, seconds: float = 12.0,
+    again: bool = False, stable: bool = False, ideals: bool = False, workers: int = 2, verdicts: str = "verdicts",
 ) -> dict[str, str]:  # fmt: skip
     """Runs cases of a set.
 
@@ -42,7 +42,8 @@ def bench(
     Raises:
         ConfigError: no case was asked for.
     """
-    wanted = {"single": singles, "pair": pairs, "triple": triples, "null": nulls, "outside": outside, "twins": twins}
+    wanted = {"single": singles, "pair": pairs, "triple": triples, "null": nulls, "outside": outside, "twins": twins,
+              "ground": ground, "ground_null": ground_nulls}  # fmt: skip
     if not any(wanted.values()):
         raise ConfigError("No case was asked for; say how many of each kind, as in --singles 4 --nulls 2.")
     jobs = {cases.number(group, set, i): (group, i) for group, count in wanted.items() for i in range(first, first + count)}
@@ -50,7 +51,7 @@ def bench(
     _each(workers, "draw", [[str(out), group, set, str(i), str(strength), str(seconds)] for group, i in todo])
     names = [name for name in jobs if _answer(out, name).exists()]
     sys.stderr.write(f"answers sha256 {cases.digest(out, names)}\n")
-    _blind(workers, out / verdicts, {name: [out / "cases" / f"{name}.npz"] for name in names})
+    _blind(workers, out / verdicts, {name: [cases.path(out, name)] for name in names})
     if again:
         asked = [name for name in names if (out / verdicts / f"{name}.npz").exists()]
         runs = {name: second.folder_of(out, verdicts) / f"{name}.npz" for name in asked}
@@ -82,9 +83,14 @@ def _blind(workers: int, verdicts: Path, files: Mapping[int, Sequence[Path]]) ->
                 continue
             place = Path(elsewhere, str(name))
             place.mkdir()
-            copies = [shutil.copy(path, place / f"case{i}.npz") for i, path in enumerate(own)]
+            copies = [_copied(path, place / f"case{i}{path.suffix}") for i, path in enumerate(own)]
             commands.append([str(answer), *map(str, copies)])
         _each(workers, "solve", commands)
+
+
+def _copied(path: Path, to: Path) -> Path:
+    """A file, or the folder of a bag."""
+    return (shutil.copytree if path.is_dir() else shutil.copy)(path, to)
 
 
 def _each(workers: int, what: str, jobs: list[list[str]]) -> None:

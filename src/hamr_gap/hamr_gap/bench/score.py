@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.stats import binomtest
 
+from hamr_description.names import JOINTS
+
 from ..weigh import COVERAGE
+
+GROUND = ("ground", "ground_null")
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,6 @@ class Scored:
     name: int
     group: str
     truth: frozenset
-    kind: str
     verdict: str
     first: frozenset | None
     answers: tuple[frozenset | None, ...]
@@ -44,8 +47,8 @@ def kept_in(out: Path, verdicts: str, way: str) -> Path:
 
 
 def names(effects: Iterable) -> frozenset:
-    """Families and places."""
-    return frozenset((effect, tuple(sorted(joints))) for effect, _, joints in effects)
+    """Families and places; all joints are the whole robot, as none are."""
+    return frozenset((effect, () if set(joints) == set(JOINTS) else tuple(sorted(joints))) for effect, _, joints in effects)
 
 
 def families(found: frozenset) -> set[str]:
@@ -57,7 +60,7 @@ def scored(folder: Path, name: int, verdicts: str = "verdicts") -> Scored:
     """One case."""
     answer = json.loads((folder / "answers" / f"{name}.json").read_text())
     result = json.loads((folder / verdicts / f"{name}.json").read_text())
-    truth = frozenset((e["family"], tuple(sorted(e["joints"]))) for e in answer["effects"])
+    truth = names((e["family"], e["law"], e["joints"]) for e in answer["effects"])
     chosen, total = [], 0.0
     for w in result["weights"]:
         chosen.append(None if w["effects"] is None else names(w["effects"]))
@@ -66,7 +69,7 @@ def scored(folder: Path, name: int, verdicts: str = "verdicts") -> Scored:
             break
     found = result["verdict"] in ("named", "ambiguous", "unknown")
     return Scored(
-        name, answer["group"], truth, answer["noise_kind"] if not answer["changes"] else "changes", result["verdict"],
+        name, answer["group"], truth, result["verdict"],
         chosen[0] if found and chosen else None, tuple(chosen) if found else (), result, answer,
     )  # fmt: skip
 
@@ -81,8 +84,15 @@ def rate(hits: Iterable[bool]) -> str:
 
 
 def table(cases: Iterable[Scored]) -> list[tuple[str, str]]:
-    """Rows of the scoreboard."""
+    """Rows of the scoreboard: of legs, and of robots on the ground where there are any."""
     cases = list(cases)
+    legs = [c for c in cases if c.group not in GROUND]
+    walks = [replace(c, group="null" if c.group == "ground_null" else "single") for c in cases if c.group in GROUND]
+    own = [(f"on the ground: {what}", value) for what, value in _rows(walks) if value != "-"] if walks else []
+    return [*(_rows(legs) if legs or not walks else []), *own]
+
+
+def _rows(cases: list[Scored]) -> list[tuple[str, str]]:
     of = {group: [c for c in cases if c.group == group] for group in ("single", "pair", "triple", "null", "outside", "twins")}
     known = [*of["single"], *of["pair"], *of["triple"]]
     sets = [c for c in known if c.answers]

@@ -14,18 +14,18 @@ from hamr_dynamics.effects.effects_file import EffectsFile, parse
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.effects.si import si_factor, si_unit
 
-from ..analyse import CONFIRMED, SIGNIFICANT
 from ..colour import correlation_time
 from ..found import STATES, Found
 from ..interval import NORMAL_95
 from ..parameters import Free
 from ..verdict import Answer, Estimate, Gap, NamedEffect, Verdict
-from ..weigh import Weight, better, credible, weigh
+from .analyse import analyse
+from .candidates import missing
 from .fit import Fit
+from .hypothesis import Hypothesis
 from .observe import Observed
-from .robot import NUMERICS, Robot
-from .screen import missing
-from .search import Hypothesis, Search, evidence, search
+from .robot import Numerics, Robot
+from .search import Search
 from .segments import CHANGES
 from .setting import Setting, setting
 from .starts import start
@@ -45,33 +45,20 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
     Raises:
         BagError: the walk cannot be used; one sentence.
     """
-    state = search(backend, walk, report)
-    report("verdict")
-    readings = len(state.parts["select"]) * state.parts["select"].observed.readings
-    weights = weigh(state, readings)
-    chosen: list[Weight] = []
-    best = state.base
-    sure = evidence(state)
-    if state.base.left - state.best.left > state.least and sure[0] > SIGNIFICANT and sure[1] > CONFIRMED:
-        chosen = credible(weights)
-        best = chosen[0].hypothesis or state.base
-        word = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
-    elif better(state.raw.blocks, state.base.blocks) > SIGNIFICANT and state.raw.left - state.base.left > state.least:
-        word = "parameters_only"
-    else:
-        word = "no_significant_gap"
+    found = analyse(backend, walk, report)
+    state, best = found.search, found.best
     answers = tuple(
         Answer(_effects(state, w.hypothesis), w.probability, w.left, _forms(state, w.hypothesis)) if w.hypothesis
-        else Answer((), w.probability, w.left) for w in chosen
+        else Answer((), w.probability, w.left) for w in found.chosen
     )  # fmt: skip
-    observed = state.parts["select"].observed
+    observed = state.prepared.parts["select"].observed
     silent = {name: why for name in library() if (why := missing(name)) and why != "it is no name"}
     verdict = Verdict(
-        machine=ROBOT, joints=JOINTS, verdict=word, set=answers, parameters=_changes(state, best), gap=_gap(state, best),
+        machine=ROBOT, joints=JOINTS, verdict=found.word, set=answers, parameters=_changes(state, best), gap=_gap(state, best),
         where=tuple(_where(observed, _residual(state, state.base.fit.model))), not_observable=silent, detectable={}, experiment=None,
         notes=NOTES,
     )  # fmt: skip
-    added = answers[0].effects if word in ("named", "ambiguous") and answers else ()
+    added = answers[0].effects if found.word in ("named", "ambiguous") else ()
     content = json.loads(json.dumps(asdict(verdict) | {"added": [asdict(e) for e in added]}))
     return Found(content, _tried(state), _simulation(state, best), {})
 
@@ -79,28 +66,31 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
 def model_of(found: Found, state: str) -> Setting:
     """The model of one of `found.STATES`."""
     own = found.simulation["models"][state]
-    return Setting(parse(own["effects"]), own["shift"], tuple(own["zeros"]))
+    return Setting(parse(own["effects"]), own["shift"], tuple(own["zeros"]), tuple(own["gains"]))
 
 
 def robot_of(found: Found) -> Robot:
     """A robot as finely simulated as the search did it."""
-    return Robot(found.simulation["backend"], NUMERICS[found.simulation["numerics"]])
+    return Robot(found.simulation["backend"], Numerics(**found.simulation["numerics"]))
 
 
 def _simulation(state: Search, best: Hypothesis) -> dict:
     without = setting(best.fit.free, best.fit.x)
     models = dict(zip(STATES, (Setting(), state.base.fit.model, best.fit.model, without), strict=True))
-    robot = state.parts["fit"].robot
-    plain = {name: {"effects": m.effects.as_dict(), "shift": m.shift, "zeros": list(m.zeros)} for name, m in models.items()}
-    return {"backend": robot.backend, "numerics": NUMERICS.index(robot.numerics), "models": plain,
-            "report": state.parts["report"].segments.first.tolist()}  # fmt: skip
+    robot = state.prepared.parts["fit"].robot
+    plain = {
+        name: {"effects": m.effects.as_dict(), "shift": m.shift, "zeros": list(m.zeros), "gains": list(m.gains)}
+        for name, m in models.items()
+    }
+    return {"backend": robot.backend, "numerics": asdict(robot.numerics), "models": plain,
+            "report": state.prepared.parts["report"].segments.first.tolist()}  # fmt: skip
 
 
 def _intervals(state: Search, found: Fit) -> np.ndarray:
     """(P, 2) 95 % in scales: what the model leaves counts as noise, with its colour."""
     left = found.residual[:, :-CHANGES]
-    angles = left[:, : state.parts["fit"].observed.angle_readings].reshape(-1, len(JOINTS))
-    inflation = max(1.0, float(np.mean(left**2))) * correlation_time(angles)
+    angles = left[:, : state.prepared.parts["fit"].observed.angle_readings].reshape(-1, len(JOINTS))
+    inflation = correlation_time(angles)
     scale = 1.0 / np.sqrt(np.diag(found.hessian))
     inverse = np.linalg.pinv(found.hessian * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse) * inflation, np.square([f.sd for f in found.free])))
@@ -129,24 +119,25 @@ def _changes(state: Search, h: Hypothesis) -> dict[str, dict[str, Estimate]]:
     found: dict[str, dict[str, Estimate]] = {}
     for row, (f, *three) in _estimates(state, h.fit).items():
         if row.startswith("change."):
-            _, name, axis = row.split(".")
+            _, name, joint = row.split(".")
             factor = f.scale * si_factor(CHANGE_KINDS[name])
-            found.setdefault(name, {})[axis] = Estimate(*(factor * x for x in three), si_unit(CHANGE_KINDS[name]))
+            found.setdefault(name, {})[joint] = Estimate(*(factor * x for x in three), si_unit(CHANGE_KINDS[name]))
     return found
 
 
 def _residual(state: Search, model: Setting) -> np.ndarray:
     """(s, readings) of the judged segments."""
-    return start(state.parts["select"], model, state.starts["select"].change).residual[:, :-CHANGES]
+    return start(state.prepared.parts["select"], model, state.prepared.starts["select"].change).residual[:, :-CHANGES]
 
 
 def _gap(state: Search, best: Hypothesis) -> Gap:
     models = {"raw": Setting(), "retuned": state.base.fit.model, "after": best.fit.model}
     left = {name: _residual(state, m) for name, m in models.items()}
-    observed = state.parts["select"].observed
-    totals = {name: float(np.sqrt(h.left)) for name, h in (("raw", state.raw), ("retuned", state.base), ("after", best))}
+    observed = state.prepared.parts["select"].observed
+    totals = {name: float(np.sqrt(h.left)) for name, h in (("raw", state.prepared.raw), ("retuned", state.base), ("after", best))}
     each = {name: by_channel(observed, x) for name, x in left.items()}
-    return Gap(**totals, floor=float(np.hypot(1.0, state.numerical)), per_channel={c: {n: each[n][c] for n in models} for c in each["raw"]})
+    channels = {c: {n: each[n][c] for n in models} for c in each["raw"]}
+    return Gap(**totals, floor=float(np.hypot(1.0, state.prepared.numerical)), per_channel=channels)
 
 
 def by_channel(observed: Observed, residual: np.ndarray, until: int | None = None) -> dict[str, float]:

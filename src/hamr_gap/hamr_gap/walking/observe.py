@@ -46,10 +46,11 @@ class Observed:
         own = {name: getattr(self, name)[index] for name in ("angles", "at", "position", "quaternion", "there")}
         return replace(self, drives=self.drives.some(index), **own)
 
-    def residual(self, starts: np.ndarray, runs: Runs, zeros: np.ndarray, segment: np.ndarray) -> np.ndarray:
-        """(n, readings) measurement minus run, lane i being one of segment[i] with sensors' zeros (11,) off by zeros[i]."""
+    def residual(self, starts: np.ndarray, runs: Runs, zeros: np.ndarray, gains: np.ndarray, segment: np.ndarray) -> np.ndarray:
+        """(n, readings) measurement minus run, lane i being one of segment[i] with sensors whose zeros are off by zeros[i] (11,) and that
+        read too much by gains[i] (8,)."""
         n, lanes = len(segment), np.arange(len(segment))[:, None]
-        seen = runs.angles.reshape(n, -1, self.mean, 8).mean(2) + zeros[:, None, 3:]
+        seen = runs.angles.reshape(n, -1, self.mean, 8).mean(2) * (1.0 + gains[:, None]) + zeros[:, None, 3:]
         angles = (self.angles[segment] - seen) / self.noise.angle
         at = self.at[segment]
         position = np.where(at[..., None] > 0, runs.position[lanes, at - 1], starts[:, None, POSITION])
@@ -101,10 +102,11 @@ def _drives(segments: Segments, steps: int) -> Drives:
     walk, first = segments.walk, segments.first
     fine = walk.record.fine(steps)
     slopes = np.gradient(fine, walk.step / steps, axis=0)
-    volts, slopes = (x.reshape(-1, steps, 8) for x in (fine, slopes))
+    bends = np.gradient(slopes, walk.step / steps, axis=0)
+    volts, slopes, bends = (x.reshape(-1, steps, 8) for x in (fine, slopes, bends))
     window = 2 * round(NEAR_MS / walk.step) + 1
     angles = savgol_filter(walk.angles, window, 3, axis=0)
     rates = savgol_filter(walk.angles, window, 3, deriv=1, delta=walk.step, axis=0)
     during = first[:, None] + np.arange(segments.samples)
     before = np.maximum(first[:, None] - np.arange(round(LEAD_MS / walk.step), 0, -1), 0)
-    return Drives(volts[during], slopes[during], volts[before], slopes[before], angles[before], rates[before])
+    return Drives(volts[during], slopes[during], bends[during], volts[before], slopes[before], angles[before], rates[before])

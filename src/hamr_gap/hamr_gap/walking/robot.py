@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
@@ -10,16 +11,20 @@ import numpy as np
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 from hamr_dynamics import kernels
+from hamr_dynamics.bank_stages import Laws
 from hamr_dynamics.batch import BatchSim
 from hamr_dynamics.machine import leg_machine
-from hamr_dynamics.plant import plant, with_effects
+from hamr_dynamics.plant import Plant, plant, with_effects
 from hamr_dynamics.set_effects import set_effects
 
 from .segments import POSITION, QD, QUATERNION, SPIN, VELOCITY, Q
 from .setting import Setting
 
-LANES = 4096  # simulated at once
+LANES = 1024  # simulated at once
 BLOCK = 16
+BEFORE = ("foot", "chassis")  # kinds of forms that change a robot's numbers before it moves; kernels carry the others
+FEW = 1  # laws at once that may have kernels of their own, several times as fast as those of the whole bank,
+WORTH = 2_000_000  # once so many samples of lanes were asked of them that compilation pays
 
 
 @dataclass(frozen=True)
@@ -28,10 +33,6 @@ class Numerics:
 
     fine: int = 1
     slip: float = 1.0
-
-
-#: From quick to true; the second slides less, the third also resolves touch-downs twice as finely.
-NUMERICS = (Numerics(), Numerics(1, 0.1), Numerics(2, 0.1))
 
 
 @dataclass(frozen=True)
@@ -45,14 +46,16 @@ class Runs:
 
 @dataclass(frozen=True)
 class Drives:
-    """Voltages of segments at every step of each sample (s, k, steps, 8) V and their slopes V/ms, and the same for a while before.
+    """Voltages of segments at every step of each sample (s, k, steps, 8) V with two derivatives, and for a while before with one.
 
     Attributes:
-        volts, rates. lead_volts, lead_slopes: (s, j, steps, 8). lead_angles, lead_rates: (s, j, 8) smoothed rad, rad/ms.
+        volts V, slopes V/ms, bends V/ms^2. lead_volts, lead_slopes: (s, j, steps, 8).
+        lead_angles, lead_rates: (s, j, 8), smoothed, rad and rad/ms.
     """
 
     volts: np.ndarray
-    rates: np.ndarray
+    slopes: np.ndarray
+    bends: np.ndarray
     lead_volts: np.ndarray
     lead_slopes: np.ndarray
     lead_angles: np.ndarray
@@ -73,15 +76,43 @@ class _Lanes(BatchSim):
             super()._forget(mask)
 
 
+class _Kernels:
+    """Simulators of a plant, of several numbers of lanes."""
+
+    def __init__(self, plant: Plant, numerics: Numerics) -> None:
+        self._plant, self._numerics = plant, numerics
+        self._sims: dict[int, _Lanes] = {}
+        one = self.of(BLOCK)
+        self._neutral = one._param.copy(), one._body.copy()
+
+    def of(self, count: int) -> _Lanes:
+        """At least so many lanes, a power of two of blocks."""
+        n = BLOCK << (-(-count // BLOCK) - 1).bit_length()
+        if n not in self._sims:
+            sim = _Lanes(self._plant, n, block=BLOCK)
+            if self._numerics.fine > 1:
+                sim._module = kernels.load(self._plant, "ground", BLOCK, sim.dtype.name, SERVO_MS / self._numerics.fine)
+            sim.set_parameter("slip_speed", self._numerics.slip * sim.parameter("slip_speed"))
+            self._sims[n] = sim
+        return self._sims[n]
+
+    def rows(self, settings: Sequence[Setting]) -> tuple[np.ndarray, np.ndarray]:
+        """Lane parameters (m, R, 4) and parameters of the chassis (m, B) of settings."""
+        sim, found = self.of(BLOCK), []
+        for s in settings:
+            sim._param[:], sim._body[:] = self._neutral
+            set_effects(sim, s.effects)
+            found.append((sim._param.reshape(-1, 4, BLOCK)[:, :, 0].copy(), sim._body.reshape(-1, BLOCK)[:, 0].copy()))
+        return tuple(np.stack(x) for x in zip(*found, strict=True))
+
+
 class Robot:
     """A backend on the ground."""
 
-    def __init__(self, backend: str, numerics: Numerics = NUMERICS[0]) -> None:
+    def __init__(self, backend: str, numerics: Numerics = Numerics()) -> None:
         self.backend, self.numerics = backend, numerics
-        self._plant = with_effects(plant(backend))
-        self._sims: dict[int, _Lanes] = {}
-        self._one = self._sim(BLOCK)
-        self._neutral = self._one._param.copy(), self._one._body.copy()
+        self._kernels: dict[Laws, _Kernels] = {}
+        self._asked: Counter[Laws] = Counter()
 
     @property
     def steps(self) -> int:
@@ -90,23 +121,33 @@ class Robot:
 
     def rest(self) -> dict[str, list[float]]:
         """Stiffness, damping and inertia of a front leg's swing and lift at rest, inside units."""
-        at = leg_machine(self._plant, "fl", gravity=value("robot.gravity")).at_rest
+        at = leg_machine(plant(self.backend), "fl", gravity=value("robot.gravity")).at_rest
         return {"stiffness": list(at.stiffness[::2]), "damping": list(at.damping[::2]), "inertia": list(at.mass[::2])}
 
     def run(self, starts: np.ndarray, drives: Drives, settings: Sequence[Setting], which: np.ndarray, segment: np.ndarray) -> Runs:
         """Lanes from states (n, 29), lane i with settings[which[i]] under the voltages of segment[i]; angles are as sensors have them."""
         n, samples = len(starts), drives.volts.shape[1]
         found = Runs(np.empty((n, samples, 8)), np.empty((n, samples, 3)), np.empty((n, samples, 4)))
-        rows = self._rows(settings)
+        own = self._kernels_for(settings, n * samples)
+        rows = own.rows(settings)
         for begin in range(0, n, LANES):
             part = slice(begin, min(n, begin + LANES))
             into = Runs(found.angles[part], found.position[part], found.quaternion[part])
-            self._part(starts[part], drives, settings, rows, which[part], segment[part], into)
+            sim = own.of(part.stop - part.start)
+            self._part(sim, starts[part], drives, settings, rows, which[part], segment[part], into)
         return found
 
-    def _part(self, starts, drives: Drives, settings, rows, which, segment, into: Runs) -> None:
+    def _kernels_for(self, settings: Sequence[Setting], asked: int) -> _Kernels:
+        laws = frozenset((e.effect, e.form) for s in settings for e in s.effects.effects if e.law.acts not in BEFORE)
+        self._asked[laws] += asked
+        if laws and (len(laws) > FEW or self._asked[laws] < WORTH):
+            laws = None
+        if laws not in self._kernels:
+            self._kernels[laws] = _Kernels(with_effects(plant(self.backend), laws), self.numerics)
+        return self._kernels[laws]
+
+    def _part(self, sim: _Lanes, starts, drives: Drives, settings, rows, which, segment, into: Runs) -> None:
         count = len(starts)
-        sim = self._sim(-(-count // BLOCK) * BLOCK)
         lanes = np.minimum(np.arange(sim.n), count - 1)
         starts, which, segment = starts[lanes], which[lanes], segment[lanes]
         for array, row in ((sim._param, rows[0]), (sim._body, rows[1])):
@@ -119,7 +160,8 @@ class Robot:
             self._lead(sim, starts, drives, shift, segment)
         sensed = any(law.acts == "sense" for law in laws)
         for k in range(drives.volts.shape[1]):
-            sim.step_voltages(drives.volts[segment, k] - shift * drives.rates[segment, k])
+            late = drives.volts[segment, k] - shift * (drives.slopes[segment, k] - 0.5 * shift * drives.bends[segment, k])
+            sim.step_voltages(late)
             angles = sim.measured()[0] if sensed else sim.q
             for array, values in zip((into.angles, into.position, into.quaternion), (angles, sim.position, sim.quaternion), strict=True):
                 array[:, k] = values[:count]
@@ -138,21 +180,3 @@ class Robot:
             sim.step_voltages(drives.lead_volts[segment, k] - shift * drives.lead_slopes[segment, k])
         self._place(sim, starts)
         sim.keep = False
-
-    def _rows(self, settings: Sequence[Setting]) -> tuple[np.ndarray, np.ndarray]:
-        """Lane parameters (m, R, 4) and parameters of the chassis (m, B) of settings."""
-        sim, found = self._one, []
-        for s in settings:
-            sim._param[:], sim._body[:] = self._neutral
-            set_effects(sim, s.effects)
-            found.append((sim._param.reshape(-1, 4, BLOCK)[:, :, 0].copy(), sim._body.reshape(-1, BLOCK)[:, 0].copy()))
-        return tuple(np.stack(x) for x in zip(*found, strict=True))
-
-    def _sim(self, n: int) -> _Lanes:
-        if n not in self._sims:
-            sim = _Lanes(self._plant, n, block=BLOCK)
-            if self.numerics.fine > 1:
-                sim._module = kernels.load(self._plant, "ground", BLOCK, sim.dtype.name, SERVO_MS / self.numerics.fine)
-            sim.set_parameter("slip_speed", self.numerics.slip * sim.parameter("slip_speed"))
-            self._sims = {BLOCK: self._sims[BLOCK], n: sim} if BLOCK in self._sims else {n: sim}
-        return self._sims[n]

@@ -16,12 +16,14 @@ from hamr_dynamics.effects.library import find
 from hamr_dynamics.effects.places import WORDS
 from hamr_dynamics.effects.si import si_factor
 
-from ..parameters import CHANGE_SD, Free
+from ..parameters import Free
+from ..weighed import GAIN_SD
 
 ZEROS = ("height", "roll", "pitch", *JOINTS)  # errors of the sensors' zeros: of the chassis's height mm and tilt rad, of the angles rad
 ZERO_SD = (0.2, 0.02, 0.02, *(0.01 for _ in JOINTS))
 SHIFT_SD = 0.25  # ms
-PRELOAD_SD = 1.0  # of a usual force
+#: By how much a model's numbers may be off, as shares of them, and a preload in usual forces: feet on the ground tell less than free legs.
+CHANGE_SD = {"gain": 0.2, "stiffness": 0.2, "damping": 0.5, "inertia": 0.2, "preload": 1.0}
 #: Kinds of forms whose sizes are in the scales of a leg; the others' are in inside units.
 OF_JOINTS = ("drive", "force", "pair", "sense")
 
@@ -32,11 +34,13 @@ class Setting:
 
     Attributes:
         effects: effects and changes. shift: ms by which the drives act later than their stamps say. zeros: (11,) of ZEROS, inside units.
+        gains: (8,) by which the angles' sensors read too much, as a share.
     """
 
     effects: EffectsFile = EffectsFile()
     shift: float = 0.0
     zeros: tuple[float, ...] = (0.0,) * len(ZEROS)
+    gains: tuple[float, ...] = (0.0,) * len(JOINTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,20 +89,21 @@ class Candidate:
 
 
 def retune(rest: dict[str, Sequence[float]]) -> list[Free]:
-    """What a fair re-tune may change: of each axis, alike on all legs, and of the sensors.
+    """What a fair re-tune may change: the parameters of every joint, one shift of clocks, and the sensors.
 
     Args:
         rest: "stiffness", "damping" and "inertia" -> (swing, lift) that the model has at rest, inside units.
     """
     found = []
     for name in CHANGES:
-        for i, axis in enumerate(AXES):
+        for joint in JOINTS:
             if name == "preload":
-                found.append(Free(f"change.{name}.{axis}", USUAL.force, -np.inf, np.inf, 0.0, PRELOAD_SD))
+                found.append(Free(f"change.{name}.{joint}", USUAL.force, -np.inf, np.inf, 0.0, CHANGE_SD[name]))
             else:
-                scale = 1.0 if name == "gain" else rest[name][i]
-                found.append(Free(f"change.{name}.{axis}", scale, -0.9, np.inf, 0.0, CHANGE_SD))
+                scale = 1.0 if name == "gain" else rest[name][AXES.index(joint.split("_")[1])]
+                found.append(Free(f"change.{name}.{joint}", scale, -0.9, np.inf, 0.0, CHANGE_SD[name]))
     found.append(Free("shift", SHIFT_SD, -4.0, 4.0, 0.0, 1.0))
+    found += [Free(f"gain.{joint}", GAIN_SD, -10.0, 10.0, 0.0, 1.0) for joint in JOINTS]
     return [*found, *(Free(f"zero.{name}", sd, -np.inf, np.inf, 0.0, 1.0) for name, sd in zip(ZEROS, ZERO_SD, strict=True))]
 
 
@@ -123,7 +128,8 @@ def setting(free: Sequence[Free], x: np.ndarray, effects: Sequence[Candidate] = 
     changes = []
     for row, v in values.items():
         if row.startswith("change.") and v:
-            _, name, axis = row.split(".")
-            changes.append(Change(name, (axis,), v * si_factor(CHANGES[name])))
+            _, name, joint = row.split(".")
+            changes.append(Change(name, (joint,), v * si_factor(CHANGES[name])))
     zeros = tuple(values.get(f"zero.{name}", 0.0) for name in ZEROS)
-    return Setting(EffectsFile(tuple(placed), tuple(changes)), values.get("shift", 0.0), zeros)
+    gains = tuple(values.get(f"gain.{joint}", 0.0) for joint in JOINTS)
+    return Setting(EffectsFile(tuple(placed), tuple(changes)), values.get("shift", 0.0), zeros, gains)

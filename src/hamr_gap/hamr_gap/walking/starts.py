@@ -53,11 +53,12 @@ class Replay:
     def residual(self, change: np.ndarray, settings: Sequence[Setting], which: np.ndarray, segment: np.ndarray) -> np.ndarray:
         """(n, readings + 28) in units of noise, of lanes: starts of segment[i] changed by (n, 28) standard deviations, under
         settings[which[i]]; the last 28 are the smoothed start against this one."""
-        zeros = np.array([s.zeros for s in settings])[which]
+        zeros, gains = (np.array([getattr(s, name) for s in settings])[which] for name in ("zeros", "gains"))
         starts = moved(self.segments.starts[segment], change * self.segments.sd)
         runs = self.robot.run(starts, self.observed.drives, settings, which, segment)
         own = -change - zeros @ (ZERO_OF_START / self.segments.sd)
-        return np.concatenate([self.observed.residual(starts, runs, zeros, segment), own], 1)
+        own[:, 12:] -= np.tile(gains, 2) * starts[:, 13:] / self.segments.sd[12:]
+        return np.concatenate([self.observed.residual(starts, runs, zeros, gains, segment), own], 1)
 
     def each(self, change: np.ndarray, settings: Sequence[Setting]) -> np.ndarray:
         """(m, s, readings + 28) of all segments under each of m settings."""
@@ -105,17 +106,19 @@ def start(replay: Replay, model: Setting, change: np.ndarray | None = None) -> S
     return _stepped(replay, model, change, ROUNDS)
 
 
+def best_start(replay: Replay, model: Setting, change: np.ndarray) -> Started:
+    """Of each segment the better of two: from the smoothed start, and from an earlier change (s, 28); contact has many minima."""
+    one, other = start(replay, model), start(replay, model, change)
+    first = (one.cost < other.cost)[:, None]
+    picked = (np.where(first, getattr(one, name), getattr(other, name)) for name in ("change", "residual"))
+    return Started(*picked, np.minimum(one.cost, other.cost))
+
+
 def _stepped(replay: Replay, model: Setting, change: np.ndarray, rounds: int) -> Started:
     """Damped Gauss-Newton steps of every segment's start; those that have settled rest."""
-    return restart(replay, model, change, replay.each(change, [model])[0], rounds)
-
-
-def restart(replay: Replay, model: Setting, change: np.ndarray, residual: np.ndarray, rounds: int) -> Started:
-    """The same from starts whose residuals are known."""
-    every = np.arange(len(replay))
-    change, residual = change.copy(), residual.copy()
+    change, residual = change.copy(), replay.each(change, [model])[0]
     cost = half_squares(residual)
-    active = every
+    active = np.arange(len(replay))
     for _ in range(rounds):
         part = replay.some(active)
         slopes = part.slopes(change[active], residual[active], model)

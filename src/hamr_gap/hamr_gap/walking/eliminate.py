@@ -1,0 +1,48 @@
+"""Linear least squares over what all segments share, each one's own start eliminated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class Eliminated:
+    """Slopes of segments with the starts eliminated: what is left of readings once each start has adapted."""
+
+    def __init__(self, slopes: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> None:
+        """Args: slopes (s, c, 28), residual (s, c), weight (s,)."""
+        self._slopes, self._residual, self.weight = slopes, residual, weight
+        self._gram = np.einsum("sci,scj->sij", slopes, slopes, optimize=True)
+        self._inverse = np.linalg.inv(self._gram)
+        self._pull = np.einsum("sci,sc->si", slopes, residual, optimize=True)
+
+    def normal(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(P, P) and (P,) normal equations of columns (s, c, P)."""
+        across = np.matmul(self._slopes.transpose(0, 2, 1), columns)
+        solved = np.matmul(self._inverse, across) * self.weight[:, None, None]
+        weighted = (columns * self.weight[:, None, None]).reshape(-1, columns.shape[2])
+        flat = columns.reshape(-1, columns.shape[2])
+        hessian = flat.T @ weighted - across.reshape(-1, across.shape[2]).T @ solved.reshape(-1, across.shape[2])
+        gradient = weighted.T @ self._residual.ravel() - np.einsum("sip,si->p", solved, self._pull)
+        return hessian, gradient
+
+    def starts(self, columns: np.ndarray, step: np.ndarray, damping: float) -> np.ndarray:
+        """(s, 28) steps of the starts that go with a step (P,) of the columns."""
+        pull = self._pull - np.matmul(self._slopes.transpose(0, 2, 1), (columns @ step)[..., None])[..., 0]
+        diagonal = np.einsum("sii->si", self._gram)[:, :, None] * np.eye(self._gram.shape[1])
+        return np.linalg.solve(self._gram + damping * diagonal, pull[..., None])[..., 0]
+
+
+def bounded(hessian: np.ndarray, gradient: np.ndarray, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(P,) Newton step that does not push further what already sits on a bound."""
+    held = np.zeros(len(x), bool)
+    for _ in range(len(x) + 1):
+        free = ~held
+        step = np.zeros(len(x))
+        scale = 1.0 / np.sqrt(np.diag(hessian)[free])
+        scaled = hessian[np.ix_(free, free)] * scale[:, None] * scale
+        step[free] = scale * np.linalg.solve(scaled + 1e-12 * np.eye(len(scaled)), scale * gradient[free])
+        pushing = ((x <= low) & (step < 0)) | ((x >= high) & (step > 0))
+        if not (pushing & ~held).any():
+            break
+        held |= pushing
+    return step

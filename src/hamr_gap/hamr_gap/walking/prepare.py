@@ -1,0 +1,116 @@
+"""What comes before any name: segments in their roles, steps that are fine enough, and a fair re-tune."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..analyse import SMALLEST
+from ..parameters import Free
+from .fit import Fit, fit
+from .hypothesis import Hypothesis, left_of, trimmed
+from .robot import Numerics, Robot
+from .roles import roles
+from .segments import CHANGES, Segments, segments
+from .setting import Setting, retune
+from .starts import Replay, Started, best_start, start
+from .walk import Walk
+
+LENGTH_MS = 20.0  # of a segment: what acts on the body shows as the square of time, but contact stays predictable for so long only
+GROWING_MS = (8.0, LENGTH_MS)
+SETTLING, SETTLED = 5, 0.98  # times that a fit is taken up again, while it leaves less than this share of what it left before
+SLIPS = (1.0, 0.1)  # slip speeds below which friction is viscous, as shares of the model's: the data choose
+FINE, HALVED = 0.2, 0.5  # rms in noise by which halving the step may move readings; how much less the next halving does
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A walk and the re-tuned robot.
+
+    Attributes:
+        parts: role -> replay. starts: role -> starts under the re-tuned model. raw, base: the model as given, and re-tuned.
+        numerical: rms by which finer steps move readings, in units of noise. floor: mean square that noise leaves.
+    """
+
+    parts: dict[str, Replay]
+    starts: dict[str, Started]
+    raw: Hypothesis
+    base: Hypothesis
+    numerical: float
+    floor: float
+
+    @property
+    def least(self) -> float:
+        """Mean square that counts as a gap: more than the simulation's own error, and a quarter of a sample's noise."""
+        return max(self.parts["fit"].observed.mean * SMALLEST**2, (0.5 * self.numerical) ** 2)
+
+    def from_(self, other: Fit) -> Prepared:
+        """The same re-tuned from where a fit with effects has it, if that leaves less: an effect must not win by a better re-tune."""
+        replay, free = self.parts["fit"], self.base.fit.free
+        tuned = settled(replay, fit(replay, free, other.x[: len(free)], (), other.change))
+        if tuned.cost >= self.base.fit.cost:
+            return self
+        starts = {role: best_start(self.parts[role], tuned.model, begun.change) for role, begun in self.starts.items()}
+        return replace(self, base=Hypothesis((), tuned, *left_of(self.parts["select"], starts["select"])), starts=starts)
+
+    def judge(self, role: str, model: Setting) -> tuple[float, np.ndarray]:
+        """What a model leaves of a role's readings (`left_of`), its starts fitted on from those of the re-tuned one."""
+        return left_of(self.parts[role], start(self.parts[role], model, self.starts[role].change))
+
+
+def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared:
+    """Re-tunes a backend to a walk.
+
+    Raises:
+        BagError: the walk cannot be used; one sentence.
+    """
+    report("re-tune")
+    whole = segments(walk, length_ms=LENGTH_MS, every_ms=LENGTH_MS)
+    part = roles(whole)
+    free, some = retune(Robot(backend).rest()), whole.some(part["fit"])
+    robots = [Robot(backend, Numerics(1, slip)) for slip in SLIPS]
+    brief = [(robot, _tuned(robot, some, free, GROWING_MS[:1])[1]) for robot in robots]
+    robot, found = min(brief, key=lambda tried: tried[1].cost)
+    replay, tuned = _tuned(robot, some, free, GROWING_MS[1:], found)
+    finer = Robot(backend, Numerics(2, replay.robot.numerics.slip))
+    numerical = _moved_by(finer, replay, tuned)
+    if numerical > FINE:
+        replay, numerical = Replay.of(finer, some), HALVED * numerical
+        tuned = fit(replay, free, tuned.x, (), tuned.change)
+    parts = {"fit": replay} | {role: Replay.of(replay.robot, whole.some(part[role])) for role in ("select", "calibrate", "report")}
+    starts = {role: start(parts[role], tuned.model) for role in ("select", "calibrate")}
+    raw = start(parts["select"], Setting())
+    nothing = Fit((), np.zeros(0), (), raw.change, raw.residual, 0.0, np.zeros((0, 0)))
+    plain, base = (Hypothesis((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
+    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / replay.observed.readings)
+
+
+def _tuned(robot: Robot, some: Segments, free: Sequence[Free], lengths_ms: Sequence[float], found: Fit | None = None) -> tuple[Replay, Fit]:
+    """A re-tune, from an earlier one if there is, on segments that grow: under a model that is far off, long ones lead astray."""
+    for ms in lengths_ms:
+        replay = Replay.of(robot, replace(some, samples=round(ms / some.walk.step)))
+        x, change = (found.x, found.change) if found else (np.zeros(len(free)), start(replay, Setting()).change)
+        found = settled(replay, fit(replay, free, x, (), change))
+    return replay, found
+
+
+def settled(replay: Replay, found: Fit, times: int = SETTLING) -> Fit:
+    """A fit taken up again from better starts until that helps no more: feet may have started where only a wrong model puts them."""
+    for _ in range(times):
+        again = fit(replay, found.free, found.x, found.effects, best_start(replay, found.model, found.change).change)
+        again, before = replace(again, moved=np.abs(again.x - found.x)), found
+        if again.cost < found.cost:
+            found = again
+        if again.cost > SETTLED * before.cost:
+            break
+    return found
+
+
+def _moved_by(finer: Robot, replay: Replay, tuned: Fit) -> float:
+    """Rms by which a finer simulation moves readings, in units of noise, once the starts have followed."""
+    away = Replay.of(finer, replay.segments).each(tuned.change, [tuned.model])[0] - tuned.residual
+    slopes = replay.slopes(tuned.change, tuned.residual, tuned.model)
+    own = np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, slopes.transpose(0, 2, 1) @ away[..., None])
+    return float(np.sqrt(trimmed((away - (slopes @ own)[..., 0])[:, :-CHANGES])[0]))
