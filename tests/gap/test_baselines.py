@@ -188,7 +188,7 @@ def written(*levels: float, group_left: float = 1.0) -> dict:
 def case(group: str, *levels: float, truth: str = "coulomb_friction", threshold: float = 0.0, group_left: float = 1.0) -> Scored:
     found = written(*levels, group_left=group_left)
     truths = frozenset() if group == "null" else frozenset({(truth, ("a",))})
-    blank = Scored(0, group, truths, "white", "", None, (), found, {})
+    blank = Scored(0, group, truths, "", None, (), found, {})
     return at_threshold(blank, threshold)
 
 
