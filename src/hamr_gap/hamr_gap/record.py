@@ -63,7 +63,7 @@ class Record:
 
     def fine(self, substeps: int) -> np.ndarray:
         """(n * substeps, joints) drives at the steps of a simulation: in their middle, where smooth, and late; held up to each jump."""
-        if self.held or substeps == 1 or self.drives_per_reading > 1:
+        if self.held or self.drives_per_reading > 1:
             return np.repeat(self.drives, substeps // self.drives_per_reading, axis=0)
         parts, within = [self.drives[start:stop] for start, stop in self.stretches], 0.5 - 0.5 * self.hold / self.step * substeps
         return np.concatenate([np.stack([resampled(u, substeps, within=within) for u in part.T], 1) for part in parts])

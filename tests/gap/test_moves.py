@@ -1,0 +1,85 @@
+"""The search's moves and what a fit believes, on one leg of HAMR-simple with friction in its swing joint and on HAMR-full."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from hamr_dynamics import machine_kernel
+from hamr_dynamics.effects.law import Scales
+from hamr_gap.colour import correlation_time
+from hamr_gap.flagship_find import recorded
+from hamr_gap.hypothesis import Start, refine
+from hamr_gap.legs import machine_of
+from hamr_gap.moves import narrowed, special_cases, without
+from hamr_gap.parameters import Candidate, effect_parameters
+from hamr_gap.prepare import Prepared, prepare
+from hamr_gap.record import Record
+
+STEP, SECONDS = 0.25, 5.0  # ms, s
+FRICTION = Candidate("coulomb_friction", "presliding", (0,))
+
+
+@pytest.fixture(scope="module")
+def rubbing() -> Prepared:
+    """A leg with friction in its swing joint, driven by noise to 40 Hz."""
+    leg = machine_of("simple", "fl")
+    n = int(SECONDS * 1e3 / STEP)
+    random, time = np.random.default_rng(2), np.arange(n) * STEP * 1e-3
+    waves = [(random.uniform(3.0, 40.0), random.uniform(0.0, 2 * np.pi, 2)) for _ in range(40)]
+    drives = 9.0 * sum(np.sin(2 * np.pi * hz * time[:, None] + phase) for hz, phase in waves)
+    row = leg.neutral(Scales(0.06, 0.1, 0.07, 60.0))
+    for name, x in (("level", 4e-3), ("distance", 0.005)):
+        row[leg.parameter_rows.index(f"coulomb_friction.presliding.{name}.0")] = x
+    truth = machine_kernel.simulate(leg, np.repeat(drives, 5, axis=0), row[None], step=STEP / 5, substeps=1)[0][::5]
+    readings = truth + 1e-3 * np.ptp(truth, axis=0) * random.standard_normal(truth.shape)
+    return prepare(leg, Record(drives, readings, STEP, leg.channels))
+
+
+def fitted(prepared: Prepared, *effects: Candidate):
+    free = (*prepared.base.fit.free, *effect_parameters(effects, prepared.weighed.model.scales))
+    x = np.array([*prepared.base.fit.x, *(f.center or 1e-3 * f.sd for f in free[len(prepared.base.fit.x) :])])
+    return refine(prepared.weighed, prepared.judged, Start(effects, free, x, np.inf))
+
+
+def test_what_is_superfluous_falls_away_and_the_rest_fits_as_well(rubbing):
+    wide = fitted(rubbing, Candidate("coulomb_friction", "presliding", (0, 1)), Candidate("drive_lag", "first_order", (1,)))
+    found = narrowed(rubbing.weighed, rubbing.judged, wide)
+    best = {h.names: h.left for h in found}
+    assert best[frozenset({FRICTION.name})] < 1.05 * wide.left
+    assert rubbing.base.left > 3.0 * wide.left
+    assert without(rubbing.weighed, rubbing.judged, wide, wide.effects[0]).left > 2.0 * wide.left
+
+
+def test_a_name_that_holds_a_simpler_one_gives_way_to_it(rubbing):
+    h = fitted(rubbing, Candidate("stribeck_friction", "bristles", (0,)))
+    simple = special_cases(rubbing.weighed, rubbing.judged, h)
+    assert {s.names for s in simple} == {frozenset({FRICTION.name})}
+    assert {s.effects[0].form for s in simple} == {"sign", "presliding", "asymmetric"}
+    assert min(s.left for s in simple) < 1.05 * h.left
+
+
+def test_no_sensor_changes_its_scale_to_mend_a_wrong_model():
+    """Three seconds of HAMR-full seen by HAMR-simple: with priors against the noise alone an encoder's scale doubled."""
+    prepared = prepare(machine_of("simple", "fl"), recorded("fl", seconds=3.0, noise=1e-3, seed=3))
+    assert prepared.base.left > 100.0  # in units of the noise: a model error
+    assert np.abs(prepared.base.fit.sensors.gain).max() < 0.05  # five standard deviations
+
+
+@given(st.floats(0.0, 0.9))
+def test_correlated_readings_count_less(share):
+    """Of a first-order process, (1 + a) / (1 - a) readings say what one independent reading would."""
+    x = lfilter([1.0], [1.0, -share], np.random.default_rng(0).standard_normal((40_000, 2)), axis=0)
+    assert correlation_time(x) == pytest.approx((1 + share) / (1 - share), rel=0.15)
+
+
+@given(st.integers(1, 4), st.floats(0.0, 0.2))
+def test_a_held_command_is_late_by_half_of_what_it_is_held_for(substeps, hold):
+    time = STEP * np.arange(400)
+    record = Record(np.sin(0.05 * time)[:, None], np.zeros((400, 1)), STEP, ("q",), hold=hold)
+    middle = (np.arange(400 * substeps) + 0.5) * STEP / substeps
+    inside = slice(20 * substeps, -20 * substeps)
+    np.testing.assert_allclose(record.fine(substeps)[inside, 0], np.sin(0.05 * (middle - 0.5 * hold))[inside], atol=1e-6)
