@@ -55,7 +55,7 @@ def left(name: str, table: Path, measured: Path, out: Path, seconds: float = 0.0
     machine, columns = load(f"{__file__}:{name}")
     found = stored(machine, record_of(machine, measured, columns), out)
     record = replace(record_of(machine, table, columns), held=found.simulation["held"])
-    model = Model(machine, record, found.simulation["substeps"], 1, scales_of(machine, record), seconds)
+    model = Model(machine, record, found.simulation["substeps"], 1, scales_of(machine, record), seconds, found.simulation["delay"])
     settled = np.arange(len(record)) * record.step > (0.0 if seconds else 0.5)
     runs = {state: model.run_rows(found.arrays[f"rows.{state}"][None])[0] for state in ("retuned", "after")}
     read = {state: found.sensors(state).read(y, record.step, model.starts) for state, y in runs.items()}

@@ -19,6 +19,7 @@ from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
 ALL_FORMS = 3  # of these, in all their forms
+EARNED = 1.01  # by how much each further parameter of a form must lower what is left
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
@@ -57,11 +58,10 @@ class Search:
         return min((h for h in self.tried if len(h.effects) == size), key=lambda h: h.left)
 
     def by_names(self) -> dict[frozenset, Hypothesis]:
-        """The best hypothesis for every set of names."""
+        """The best hypothesis for every set of names; of forms that leave alike the one with fewer parameters."""
         found: dict[frozenset, Hypothesis] = {}
-        for h in self.tried:
-            if h.names not in found or h.left < found[h.names].left:
-                found[h.names] = h
+        for h in sorted(self.tried, key=lambda h: h.left * EARNED**h.parameters):
+            found.setdefault(h.names, h)
         return found
 
 
