@@ -132,9 +132,11 @@ def _coarsest(machine: Machine, record: Record) -> int:
 
 
 def _moves(weighed: Weighed, found: Fit) -> float:
-    """Rms by which halving the step moves the fitted readings, after the sensors' part, in units of a sample's noise."""
+    """Rms by which halving the step moves the fitted readings, beside the sensors, in units of a sample's noise; inf if it diverges."""
     finer = replace(weighed, model=replace(weighed.model, substeps=2 * weighed.model.substeps))
     run = finer.model.runs(found.free, found.x)[0]
+    if not np.isfinite(run).all():
+        return np.inf
     moved = weighed.vector(run - found.run)
     columns = weighed.sensor_columns(weighed.moved(found.run, found.sensors.shift))
     moved = moved - columns @ np.linalg.lstsq(columns, moved, rcond=None)[0]
