@@ -1,0 +1,52 @@
+"""The benchmark's further runs of a hidden machine: with other noise, half as long, and under the drives that a verdict asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hamr_dynamics import machine_kernel
+from hamr_gap.bench.cases import LEG, load, make, number
+from hamr_gap.bench.other import file_of, measure_otherwise
+from hamr_gap.bench.second import folder_of, measure_again
+from hamr_gap.legs import machine_of
+from hamr_gap.model import scales_of
+from hamr_gap.record import joined, noise_of
+
+NAME = number("null", "development", 0)  # nothing hidden, nothing changed
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bench")
+    make(folder, "null", "development", 0, strength=5.0, seconds=2.0)
+    return folder
+
+
+def test_other_noise_is_all_that_differs_and_half_is_the_first_half(out):
+    measure_otherwise(out, NAME)
+    first, noise, half = load(out / "cases" / f"{NAME}.npz"), *(load(file_of(out, way, NAME)) for way in ("noise", "half"))
+    assert np.array_equal(first.drives, noise.drives)
+    apart = noise.readings - first.readings
+    apart = apart[np.isfinite(apart).all(1)]  # where no end stop was hit
+    assert np.allclose(apart.std(0), np.sqrt(2) * noise_of(first.readings), rtol=0.1)
+    assert np.abs(np.corrcoef(apart[1:, 0], apart[:-1, 0])[0, 1]) < 0.05
+    assert np.array_equal(half.readings, first.readings[: len(first) // 2], equal_nan=True)
+    assert np.array_equal(half.drives, first.drives[: len(first.drives) // 2])
+
+
+def test_the_run_that_was_asked_for_is_that_of_the_same_machine(out):
+    first = load(out / "cases" / f"{NAME}.npz")
+    n = len(first) // 2
+    time = first.step * np.arange(n)
+    drives = np.stack([40.0 * np.sin(0.02 * time), 30.0 * np.sin(0.05 * time)], 1)
+    (out / "verdicts").mkdir()
+    np.savez(out / "verdicts" / f"{NAME}.npz", drives=np.repeat(drives, first.drives_per_reading, axis=0))
+    measure_again(out, "verdicts", NAME)
+    again = load(folder_of(out, "verdicts") / f"{NAME}.npz")
+    assert len(joined([first, again])) == len(first) + n
+    assert np.allclose(again.drives[:: first.drives_per_reading], drives, atol=1e-9)
+    leg = machine_of("simple", LEG)
+    run = machine_kernel.simulate(leg, again.fine(5), leg.neutral(scales_of(leg, again))[None], step=again.step / 5, substeps=5)[0]
+    left = again.readings[100:] - run[100:n]
+    assert np.all(left.std(0) < 1.5 * noise_of(again.readings))
