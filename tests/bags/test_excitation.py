@@ -11,9 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hamr_bags.excitation import excitation
+from hamr_bags.frames import servo_frame
 from hamr_bags.signals import GAITS, KINDS, Noise, gait_phases
-from hamr_description.errors import ConfigError
-from hamr_description.names import JOINTS, torque_sign
+from hamr_bags.writer import BagWriter
+from hamr_description.errors import BagError, ConfigError
+from hamr_description.names import JOINTS, Topic, torque_sign
+from hamr_description.rates import SUBSTEPS, TARGET_NS
 
 NEUTRAL = 112.5
 
@@ -158,3 +161,27 @@ def test_mix_is_the_other_kinds_one_after_the_other():
 def test_bad_parameters_are_named(kind, parameters, said):
     with pytest.raises(ConfigError, match=said):
         excitation(kind, **parameters)
+
+
+def test_a_recorded_run_is_played_again(tmp_path):
+    volts = excitation("steps", seconds=0.1, seed=4).voltages
+    frame = servo_frame(Topic.SERVO_VOLTAGES, SUBSTEPS)
+    with BagWriter(tmp_path / "bag") as bag:
+        for k in (*range(10, 25), *range(10)):  # messages may lie in any order
+            frame.stamp(k * TARGET_NS)
+            frame.numbers["effort"][:] = volts[k * SUBSTEPS : (k + 1) * SUBSTEPS]
+            bag.write(Topic.SERVO_VOLTAGES, bytes(frame), k * TARGET_NS)
+    again = excitation("bag", path=str(tmp_path / "bag"))
+    assert np.array_equal(again.voltages, volts)
+    assert np.array_equal(excitation(**json.loads(json.dumps(again.parameters))).voltages, volts)
+    assert np.array_equal(excitation("bag", path=str(tmp_path / "bag"), seconds=0.02).voltages, volts[:400])
+    with pytest.raises(BagError, match="0.1 s of voltages"):
+        excitation("bag", path=str(tmp_path / "bag"), seconds=0.2)
+
+
+def test_slower_voltages_are_not_played(tmp_path):
+    frame = servo_frame(Topic.SERVO_VOLTAGES, 16)
+    with BagWriter(tmp_path / "bag") as bag:
+        bag.write(Topic.SERVO_VOLTAGES, bytes(frame), 0)
+    with pytest.raises(BagError, match="80 samples"):
+        excitation("bag", path=str(tmp_path / "bag"))

@@ -10,6 +10,7 @@ from hamr_description.errors import ConfigError
 from hamr_description.numbers import value
 from hamr_description.rates import SUBSTEPS
 
+from .replay import Replay
 from .signals import KINDS, Signal
 
 
@@ -38,11 +39,12 @@ class Excitation:
         return np.full((SUBSTEPS, self.voltages.shape[1]), value("actuator.neutral_voltage"))
 
 
-def excitation(kind: str = "noise", **parameters: float) -> Excitation:
+def excitation(kind: str = "noise", **parameters: float | str) -> Excitation:
     """Excitation by name of its kind; ConfigError lists the kinds or the parameters there are."""
-    if kind not in KINDS:
-        raise ConfigError(f"There is no excitation '{kind}'; choose one of {', '.join(KINDS)}.")
-    known = [field.name for field in fields(KINDS[kind])]
+    kinds = KINDS | {Replay.kind: Replay}
+    if kind not in kinds:
+        raise ConfigError(f"There is no excitation '{kind}'; choose one of {', '.join(kinds)}.")
+    known = [field.name for field in fields(kinds[kind])]
     if unknown := sorted(set(parameters) - set(known)):
         raise ConfigError(f"Excitation '{kind}' has no parameter '{unknown[0]}'; it takes {', '.join(known)}.")
-    return Excitation(KINDS[kind](**parameters))
+    return Excitation(kinds[kind](**parameters))

@@ -6,6 +6,7 @@ Examples:
   hamr collect --backend full --out out/measured --as-measured
   hamr collect --backend simple --effects effects.yaml --out out/friction
   hamr collect --backend full --out out/trot --kind trot --frequency-hz 30 --amplitude-volt 50
+  hamr collect --backend full --out out/again --play out/gap/experiment --as-measured
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ class Command:
     """All but noise: about neutral, before the clip."""
     seed: int = 0
     """Of everything random."""
+    play: str = ""
+    """Bag whose /servo/voltages are played instead, as `hamr gap` writes an experiment."""
     samples_per_frame: int = 16
     """Samples kept of each 4 ms: 16 is 4 kHz, 80 is 20 kHz."""
     direct: bool = False
@@ -63,7 +66,10 @@ class Command:
             "amplitude": self.amplitude_volt,
             "seed": self.seed if hasattr(KINDS.get(self.kind), "seed") else None,
         }
-        signal = excitation(self.kind, **{key: number for key, number in given.items() if number is not None})
+        if self.play:
+            signal = excitation("bag", path=self.play, **({"seconds": self.seconds} if self.seconds else {}))
+        else:
+            signal = excitation(self.kind, **{key: number for key, number in given.items() if number is not None})
         with ExitStack() as stack:
             bag = Path(stack.enter_context(TemporaryDirectory()), "exact") if self.as_measured else self.out
             run = Run(
