@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from hamr_dynamics import machine_kernel
+from hamr_gap import search
+from hamr_gap.bench import ablate
 from hamr_gap.bench.cases import LEG, load, make, number
 from hamr_gap.bench.other import file_of, measure_otherwise
 from hamr_gap.bench.second import folder_of, measure_again
@@ -50,3 +52,13 @@ def test_the_run_that_was_asked_for_is_that_of_the_same_machine(out):
     run = machine_kernel.simulate(leg, again.fine(5), leg.neutral(scales_of(leg, again))[None], step=again.step / 5, substeps=5)[0]
     left = again.readings[100:] - run[100:n]
     assert np.all(left.std(0) < 1.5 * noise_of(again.readings))
+
+
+def test_without_a_step_the_workflow_is_another_and_comes_back(monkeypatch, tmp_path):
+    """The step is really out while a case is solved, and in again afterwards."""
+    whole, seen = search.narrowed, []
+    monkeypatch.setattr(ablate, "solve", lambda *_: seen.append((search.narrowed, search.ALL_FORMS)))
+    ablate.solve_without("fewer", tmp_path / "answer.json")
+    ablate.solve_without("forms", tmp_path / "answer.json")
+    assert seen[0][0] is not whole and seen[0][0](None, None, None) == []
+    assert seen[1] == (whole, 0) and search.ALL_FORMS > 0

@@ -51,18 +51,18 @@ def bench(
     _each(workers, "draw", [[str(out), group, set, str(i), str(strength), str(seconds)] for group, i in todo])
     names = [name for name in jobs if _answer(out, name).exists()]
     sys.stderr.write(f"answers sha256 {cases.digest(out, names)}\n")
-    _blind(workers, out / verdicts, {name: [cases.path(out, name)] for name in names})
+    blind(workers, out / verdicts, {name: [cases.path(out, name)] for name in names})
     if again:
         asked = [name for name in names if (out / verdicts / f"{name}.npz").exists()]
         runs = {name: second.folder_of(out, verdicts) / f"{name}.npz" for name in asked}
         _each(workers, "second", [[str(out), verdicts, str(name)] for name, path in runs.items() if not path.exists()])
         both = {name: [out / "cases" / f"{name}.npz", path] for name, path in runs.items() if path.exists()}
-        _blind(workers, score.kept_in(out, verdicts, "second"), both)
+        blind(workers, score.kept_in(out, verdicts, "second"), both)
     if stable:
         _each(workers, "other", [[str(out), str(name)] for name in names if not other.file_of(out, other.WAYS[-1], name).exists()])
         for way in other.WAYS:
             runs = {name: [other.file_of(out, way, name)] for name in names if other.file_of(out, way, name).exists()}
-            _blind(workers, score.kept_in(out, verdicts, way), runs)
+            blind(workers, score.kept_in(out, verdicts, way), runs)
     if ideals:
         _each(workers, "ideal", [[str(out), str(name)] for name in names if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
@@ -73,8 +73,12 @@ def _answer(out: Path, name: int) -> Path:
     return out / "answers" / f"{name}.json"
 
 
-def _blind(workers: int, verdicts: Path, files: Mapping[int, Sequence[Path]]) -> None:
-    """Solves cases that have no verdict, each with nothing but its own files beside it."""
+def blind(workers: int, verdicts: Path, files: Mapping[int, Sequence[Path]], what: str = "solve", *more: str) -> None:
+    """Solves cases that have no verdict, each with nothing but its own files beside it.
+
+    Args:
+        verdicts: folder to write to. files: of each case. what: module that solves, and its first arguments.
+    """
     verdicts.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as elsewhere:
         commands = []
@@ -84,8 +88,8 @@ def _blind(workers: int, verdicts: Path, files: Mapping[int, Sequence[Path]]) ->
             place = Path(elsewhere, str(name))
             place.mkdir()
             copies = [_copied(path, place / f"case{i}{path.suffix}") for i, path in enumerate(own)]
-            commands.append([str(answer), *map(str, copies)])
-        _each(workers, "solve", commands)
+            commands.append([*more, str(answer), *map(str, copies)])
+        _each(workers, what, commands)
 
 
 def _copied(path: Path, to: Path) -> Path:

@@ -1,0 +1,76 @@
+"""The workflow without one of its steps, on cases that it has solved: what each step is worth.
+
+Each case is solved again in a process of its own: python -m hamr_gap.bench.ablate --out out/gap_bench --without exchange
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from unittest.mock import patch
+
+import tyro
+
+from hamr_description.errors import ConfigError
+
+from .. import analyse, prepare, search, weigh, weighed
+from . import score
+from .run import blind
+from .solve import solve
+
+
+def _judged_by_the_fitted(model, seconds_per_t: float, roles_of=prepare.roles_of):
+    roles = roles_of(model, seconds_per_t)
+    return replace(roles, select=roles.fit)
+
+
+#: Step -> what stands in its place: (module or class, name, replacement).
+STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
+    "pairs": ((search, "pairs_of", lambda *_: []),),
+    "exchange": ((search, "_exchange", lambda *_: None),),
+    "fewer": ((search, "narrowed", lambda *_: []), (search, "special_cases", lambda *_: [])),
+    "forms": ((search, "ALL_FORMS", 0),),
+    "doubt": ((weighed.Weighed, "doubt", lambda *_: 1.0),),
+    "led": ((search, "BETTER", 0.0),),
+    "held_out": ((prepare, "roles_of", _judged_by_the_fitted),),
+    "finer": ((prepare, "ENOUGH", float("inf")),),
+    "staircase": ((search, "staircases", lambda *_: {}),),
+    "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "ANOTHER_SIZE", "CONTAINS")),
+    "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False)),
+}
+
+
+def main(out: Path, without: str, verdicts: str = "verdicts", workers: int = 2) -> None:
+    """Prints both scoreboards.
+
+    Args:
+        out: folder of a benchmark. without: a step, or "all" of them, one after the other. verdicts: of the whole workflow.
+    """
+    if without != "all" and without not in STEPS:
+        raise ConfigError(f"There is no step '{without}'; choose one of {', '.join(STEPS)}, or all.")
+    numbers = sorted(int(path.stem) for path in (out / verdicts).glob("*.json"))
+    boards = {"the whole": verdicts} | {f"without {step}": f"{verdicts}_without_{step}" for step in STEPS if without in (step, "all")}
+    for name, folder in boards.items():
+        if name != "the whole":
+            files = {number: [out / "cases" / f"{number}.npz"] for number in numbers}
+            blind(workers, out / folder, files, "ablate", "solve", name.removeprefix("without "))
+        found = [score.scored(out, number, folder) for number in numbers if (out / folder / f"{number}.json").exists()]
+        sys.stdout.write(json.dumps({name: dict(score.table(found))}, indent=1) + "\n")
+
+
+def solve_without(step: str, answer: Path, *cases: Path) -> None:
+    """As `solve.solve`, without a step."""
+    with ExitStack() as stack:
+        for where, name, instead in STEPS[step]:
+            stack.enter_context(patch.object(where, name, instead))
+        solve(answer, *cases)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["solve"]:
+        solve_without(sys.argv[2], *map(Path, sys.argv[3:]))
+    else:
+        tyro.cli(main)
