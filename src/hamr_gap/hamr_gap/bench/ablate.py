@@ -18,6 +18,7 @@ from hamr_description.errors import ConfigError
 
 from .. import analyse, prepare, search, weigh, weighed
 from . import score
+from .cases import path
 from .run import blind
 from .solve import solve
 
@@ -51,11 +52,12 @@ def main(out: Path, without: str, verdicts: str = "verdicts", workers: int = 2) 
     """
     if without != "all" and without not in STEPS:
         raise ConfigError(f"There is no step '{without}'; choose one of {', '.join(STEPS)}, or all.")
-    numbers = sorted(int(path.stem) for path in (out / verdicts).glob("*.json"))
+    numbers = sorted(int(file.stem) for file in (out / verdicts).glob("*.json"))
+    numbers = [number for number in numbers if not path(out, number).is_dir()]
     boards = {"the whole": verdicts} | {f"without {step}": f"{verdicts}_without_{step}" for step in STEPS if without in (step, "all")}
     for name, folder in boards.items():
         if name != "the whole":
-            files = {number: [out / "cases" / f"{number}.npz"] for number in numbers}
+            files = {number: [path(out, number)] for number in numbers}
             blind(workers, out / folder, files, "ablate", "solve", name.removeprefix("without "))
         found = [score.scored(out, number, folder) for number in numbers if (out / folder / f"{number}.json").exists()]
         sys.stdout.write(json.dumps({name: dict(score.table(found))}, indent=1) + "\n")

@@ -31,7 +31,7 @@ def bench(
     Args:
         out: folder of cases, answers and verdicts. set: development, calibration or report; each has seeds of its own.
         singles: how many of each group. first: index of the first.
-        strength: of each effect, in floors. seconds: of each record. again: whether experiments that verdicts ask for are made.
+        strength: of each effect, in floors. seconds: of each record. again: whether experiments that verdicts ask for are made, on legs.
         stable: whether cases are solved with other noise, and from half of the data, too.
         ideals: whether noise-free data are asked what could have been told. workers: processes.
         verdicts: name of the folder of verdicts, for another version of the solver on the same cases.
@@ -52,19 +52,20 @@ def bench(
     names = [name for name in jobs if _answer(out, name).exists()]
     sys.stderr.write(f"answers sha256 {cases.digest(out, names)}\n")
     blind(workers, out / verdicts, {name: [cases.path(out, name)] for name in names})
+    legs = [name for name in names if not cases.path(out, name).is_dir()]
     if again:
-        asked = [name for name in names if (out / verdicts / f"{name}.npz").exists()]
+        asked = [name for name in legs if (out / verdicts / f"{name}.npz").exists()]
         runs = {name: second.folder_of(out, verdicts) / f"{name}.npz" for name in asked}
         _each(workers, "second", [[str(out), verdicts, str(name)] for name, path in runs.items() if not path.exists()])
-        both = {name: [out / "cases" / f"{name}.npz", path] for name, path in runs.items() if path.exists()}
+        both = {name: [cases.path(out, name), path] for name, path in runs.items() if path.exists()}
         blind(workers, score.kept_in(out, verdicts, "second"), both)
     if stable:
-        _each(workers, "other", [[str(out), str(name)] for name in names if not other.file_of(out, other.WAYS[-1], name).exists()])
+        _each(workers, "other", [[str(out), str(name)] for name in legs if not other.file_of(out, other.WAYS[-1], name).exists()])
         for way in other.WAYS:
-            runs = {name: [other.file_of(out, way, name)] for name in names if other.file_of(out, way, name).exists()}
+            runs = {name: [other.file_of(out, way, name)] for name in legs if other.file_of(out, way, name).exists()}
             blind(workers, score.kept_in(out, verdicts, way), runs)
     if ideals:
-        _each(workers, "ideal", [[str(out), str(name)] for name in names if not (out / "ideals" / f"{name}.json").exists()])
+        _each(workers, "ideal", [[str(out), str(name)] for name in legs if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
     return dict([*score.table(done), *told.rows(out, done, verdicts)])
 
