@@ -30,7 +30,7 @@ from .where import where
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
 SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
-SHARE = 0.1  # of a gap, that the best of all names must explain, or the gap has another cause
+SHARE = 0.25  # of a gap, that the best of all names must explain, or the gap has another cause
 SELDOM = 2.0  # how many times surer a likelihood ratio must be, which trusts its noise, than t over blocks, which does not
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from .colour import correlation_time
 from .fit import Fit
+from .hypothesis import residual
 from .linear import jacobian
 from .weighed import Weighed
 
@@ -20,10 +22,11 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
     free = found.free
     sd = np.array([f.sd for f in free])
     derivatives = jacobian(weighed, free, found.x, found.run, found.sensors)
-    doubt = weighed.doubt(weighed.vector(weighed.model.target) - weighed.vector(found.reading))
-    n, precision = len(free), doubt * np.concatenate([sd**-2.0, weighed.sensor_precision])
+    left = residual(weighed, found)[weighed.chosen.any(1)]
+    inflation = max(1.0, float(np.nanmean(left**2))) * correlation_time(left)
+    n, precision = len(free), inflation * np.concatenate([sd**-2.0, weighed.sensor_precision])
     hessian = derivatives.T @ derivatives
     scale = 1.0 / np.sqrt(np.diag(hessian) + precision)
     inverse = np.linalg.pinv((hessian + np.diag(precision)) * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
-    half = NORMAL_95 * np.sqrt(doubt * np.diag(inverse)[:n])
+    half = NORMAL_95 * np.sqrt(inflation * np.diag(inverse)[:n])
     return np.stack([found.x - half, found.x + half], 1)

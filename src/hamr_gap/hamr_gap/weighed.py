@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from .colour import correlation_time
 from .model import Model
 from .sensors import Sensors, late, slope
 
+INDEPENDENT = 100  # readings, as which those count that show a wrong model
 GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
 
 
@@ -100,13 +100,12 @@ class Weighed:
         return Sensors(bias, gain, float(s[-1]) * self.model.reading_step)
 
     def doubt(self, left: np.ndarray) -> float:
-        """How much more priors count beside what a model leaves, (m,) as of `vector`, than beside white noise of the size assumed.
+        """How much more priors count beside what a model leaves, (m,) as of `vector`, than beside noise alone.
 
-        Its mean square and its correlation time: a model that is wrong must not be mended by parameters that nobody believes.
+        What is left beyond the noise is no chance: however many readings show it, they say no more than `INDEPENDENT` would. So a
+        parameter goes one standard deviation from where it is believed to be for a hundredth of what is left, and ten for no less than all.
         """
-        known = np.full((self.until, len(self.sigma)), np.nan)
-        known.reshape(-1)[self._places] = left
-        return max(1.0, float(np.mean(left**2))) * correlation_time(known)
+        return 1.0 + max(0.0, float(np.mean(left**2)) - 1.0) * len(left) / INDEPENDENT
 
     def solve_sensors(self, run: np.ndarray, about: float = 0.0, doubt: float = 1.0) -> tuple[np.ndarray, float]:
         """Best sensor coefficients for a run, and the half sum of squares that is left, with their prior.
