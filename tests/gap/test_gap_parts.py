@@ -229,6 +229,10 @@ def test_an_experiment_is_proposed_that_tells_rivals_apart():
     assert proposal.signal
     assert proposal.d_prime[proposal.signal] == max(proposal.d_prime.values()) > 5.0
     assert np.abs(proposal.drives).max() <= np.abs(record.drives).max() * (1 + 1e-12)
+    asked = replace(record, drives=proposal.drives, readings=np.zeros((len(proposal.drives), 1)), rest=True)
+    model = replace(prepared.weighed.model, record=asked)
+    for h in fits:  # no further than what was seen: there may be an end stop
+        assert np.abs(model.runs(h.fit.free, h.fit.x)).max() <= 1.01 * np.nanmax(np.abs(record.readings))
     same = propose(prepared, fits[0], fits[0])
     assert same.signal == ""
     assert "no drive signal" in same.as_dict(("a", "a"))["sentence"]

@@ -21,6 +21,7 @@ from .weigh import FORM_ERROR
 TRIED_S = 4.0  # of each signal
 ENOUGH = 5.0  # d' that decides
 LONGEST_S = 120.0
+SMALLER = 8  # times, at most
 SHORTEST_S = 4.0  # a record needs as much to be divided
 
 
@@ -50,7 +51,7 @@ class Proposal:
 
 
 def propose(prepared: Prepared, first: Hypothesis, second: Hypothesis, *, seed: int = 0) -> Proposal:
-    """The best experiment between two fitted hypotheses, within the largest drives that the machine was given.
+    """The best experiment between two fitted hypotheses, within the largest drives and the widest motion that were measured.
 
     Args:
         seed: of noise in the signals.
@@ -61,12 +62,12 @@ def propose(prepared: Prepared, first: Hypothesis, second: Hypothesis, *, seed: 
     limit = np.abs(record.drives).max(axis=0)
     found = {}
     for name, shape in signals(machine, step, _samples(prepared, TRIED_S), seed).items():
-        found[name] = _d_prime(_driven(model, limit * shape), prepared, first, second)
+        found[name] = _d_prime(_driven(model, _within(model, limit * shape, first, second)), prepared, first, second)
     best = max(found, key=found.get)
     seconds = max(SHORTEST_S, TRIED_S * (ENOUGH / max(found[best], 1e-9)) ** 2)
     if seconds > LONGEST_S:
         return Proposal("", 0.0, found, np.empty((0, len(machine.joints))))
-    drives = limit * signals(machine, step, _samples(prepared, seconds), seed)[best]
+    drives = _within(model, limit * signals(machine, step, _samples(prepared, seconds), seed)[best], first, second)
     return Proposal(best, seconds, found, drives)
 
 
@@ -80,6 +81,20 @@ def _driven(model: Model, drives: np.ndarray) -> Model:
     record = model.record
     readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
     return replace(model, record=replace(record, drives=drives, readings=readings, rest=True, breaks=(), held=False))
+
+
+def _within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
+    """Drives, smaller where a rival would go further than was measured: into end stops, where nothing can be predicted."""
+    reach = np.nanmax(np.abs(model.target), axis=0)
+    for _ in range(SMALLER):
+        driven = _driven(model, drives)
+        runs = [driven.runs(h.fit.free, h.fit.x)[0] for h in rivals]
+        with np.errstate(invalid="ignore"):
+            over = max(float(np.max(np.abs(y) / reach)) if np.isfinite(y).all() else 2.0 for y in runs)
+        if over <= 1.0:
+            break
+        drives = drives / over
+    return drives
 
 
 def _d_prime(model: Model, prepared: Prepared, first: Hypothesis, second: Hypothesis) -> float:
