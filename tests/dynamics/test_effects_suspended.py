@@ -30,7 +30,7 @@ def several(*joints: str) -> EffectsFile:
         PlacedEffect("coulomb_friction", "presliding", joints, {"level": 8e-6, "distance": 0.005}),
         PlacedEffect("piezo_hysteresis", "plays", joints, {**{f"weight{i}": 0.05 for i in (1, 2, 3, 4)}, "width": 20.0}),
         PlacedEffect("configuration_dependent_stiffness", "potential", joints,
-                     {f"c{i}": 1e-3 for i in ("30", "21", "12", "03", "40", "31", "22", "13", "04")}),
+                     {f"c{i}": 1e-3 for i in ("11", "30", "21", "12", "03", "40", "31", "22", "13", "04")}),
         PlacedEffect("sensor_latency", "pade", joints, {"delay": 2e-4}),
         PlacedEffect("backlash", "dead_band", joints, {"play": 0.01, "share": 0.6}),
     )  # fmt: skip
