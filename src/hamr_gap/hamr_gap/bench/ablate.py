@@ -14,7 +14,7 @@ from unittest.mock import patch
 
 import tyro
 
-from hamr_description.errors import ConfigError
+from hamr_description.errors import ConfigError, HamrError
 
 from .. import analyse, prepare, search, weigh, weighed
 from . import score
@@ -75,4 +75,7 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["solve"]:
         solve_without(sys.argv[2], *map(Path, sys.argv[3:]))
     else:
-        tyro.cli(main)
+        try:
+            tyro.cli(main)
+        except HamrError as error:
+            sys.exit(str(error))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import tyro
 
+from hamr_description.errors import HamrError
 from hamr_dynamics.effects.library import find, library
 
 from .figure import svg
@@ -36,4 +38,7 @@ def main(names: tyro.conf.Positional[tuple[str, ...]] = (), /, out: Path = Path(
 
 
 if __name__ == "__main__":
-    tyro.cli(main, prog="python -m hamr_gap.signatures")
+    try:
+        tyro.cli(main, prog="python -m hamr_gap.signatures")
+    except HamrError as error:
+        sys.exit(str(error))
