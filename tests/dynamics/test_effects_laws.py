@@ -6,7 +6,10 @@ from math import atan, cos, exp, pi, sin
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from hamr_dynamics.effects.force_table import hats
 from hamr_dynamics.effects.law import Chassis, Input, Joint, Motion, Pair, Push, Scales, Signal
 from hamr_dynamics.effects.library import find, library
 
@@ -239,3 +242,11 @@ def test_no_size_no_effect(name, form, rng):
             assert (answer.force, answer.stiffness, answer.damping, answer.mass, answer.slip) == (0.0,) * 5
         else:
             assert answer == q
+
+
+@given(st.floats(-20.0, 20.0))
+def test_a_table_goes_on_as_at_its_edge(x):
+    weights = np.array(hats(x))
+    assert weights.sum() == pytest.approx(1.0)
+    assert np.array_equal(weights, hats(np.clip(x, -2.0, 2.0)))
+    assert weights @ np.arange(-2.0, 3.0) == pytest.approx(np.clip(x, -2.0, 2.0), abs=1e-12)  # straight lines are exact

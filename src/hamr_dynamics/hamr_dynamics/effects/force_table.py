@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum
+from ..scalar import clip, maximum
 from .law import Effect, Form, Input, Joint, Parameter, Push
 
 NODES = 5  # along each axis, -2 to 2 times the usual value; flat beyond
 
 
 def hats(x, nodes: int = NODES) -> list:
-    """Weights of the nodes -2..2 at x: hats of width 1, whose sum is 1 within the table."""
+    """Weights of the nodes -2..2 at x: hats of width 1, whose sum is 1; beyond the table those of its edge."""
     at = [i - 0.5 * (nodes - 1) for i in range(nodes)]
+    x = clip(x, at[0], at[-1])
     return [maximum(1.0 - maximum(x - a, a - x), 0.0) for a in at]
 
 
