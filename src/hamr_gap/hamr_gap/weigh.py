@@ -48,7 +48,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
     """
     gap = max(state.base.left - state.floor, 1e-12)
     least = FORM_ERROR + (FLOOR_ERROR * state.floor + 2.0 * DECIDES / count) / gap
-    found: list[tuple[Hypothesis | None, float, float, float]] = []
+    found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
     for names, h in best.items():
         if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names):
@@ -58,15 +58,16 @@ def weigh(state: Search, count: int) -> list[Weight]:
             places = sum(len(c.places) - 1 for c in h.effects if library()[c.effect].smooth)  # the others are seen at each joint by itself
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
             price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
-            price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters
-            found.append((h, left, -SHARPNESS * np.log(left + least) - price, CONTAINS * wide))
-    _, left, first, wider = max(found, key=lambda f: f[2], default=(None, UNKNOWN, 0.0, 0.0))
-    # a law outside the library competes with the first name by what that leaves, whatever its price
-    found.append((None, UNKNOWN, first + SHARPNESS * np.log((left + least) / (UNKNOWN + least)), wider))
-    score = np.array([s - wider for *_, s, wider in found])
+            price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
+            found.append((h, left, -SHARPNESS * np.log(left + least) - price))
+    # a law outside the library competes with the first names by what they leave, whatever their price
+    first = max((s for *_, s in found), default=0.0)
+    left = min((left for _, left, s in found if s >= first - CONTAINS), default=UNKNOWN)
+    found.append((None, UNKNOWN, first + SHARPNESS * np.log((left + least) / (UNKNOWN + least))))
+    score = np.array([s for *_, s in found])
     p = np.exp(score - score.max())
     p /= p.sum()
-    return sorted((Weight(h, left, float(x)) for (h, left, *_), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
+    return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
 
 
 def credible(weights: Sequence[Weight]) -> list[Weight]:
