@@ -15,7 +15,7 @@ from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
 from hamr_gap.walking import robot
-from hamr_gap.walking.hypothesis import trimmed
+from hamr_gap.walking.left import trimmed
 from hamr_gap.walking.robot import Numerics, Robot
 from hamr_gap.walking.roles import TURN_MS, TURNS, roles
 from hamr_gap.walking.segments import CHANGES, segments

@@ -33,7 +33,7 @@ class Start:
     cost: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hypothesis:
     """Some effects (none: a re-tune alone), fitted.
 

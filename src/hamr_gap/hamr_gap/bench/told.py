@@ -8,10 +8,11 @@ from pathlib import Path
 
 from hamr_dynamics.effects.library import library
 
+from ..weigh import DECIDES
 from .other import WAYS
 from .score import Scored, kept_in, names, rate, scored
 
-TOLD_APART = 4.0  # d' from which data tell two laws apart
+TOLD_APART = (2.0 * DECIDES) ** 0.5  # d' from which data tell two laws apart
 
 
 def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, str]]:

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..analyse import CONFIRMED, SIGNIFICANT
+from ..hypothesis import Hypothesis
 from ..weigh import Weight, better, credible, weigh
-from .hypothesis import Hypothesis, left_of
+from .left import left_of
 from .search import Search, search
 from .starts import start
 from .walk import Walk

@@ -16,13 +16,13 @@ from hamr_dynamics.effects.si import si_factor, si_unit
 
 from ..colour import correlation_time
 from ..found import STATES, Found
+from ..hypothesis import Hypothesis
 from ..interval import NORMAL_95
 from ..parameters import Free
 from ..verdict import Answer, Estimate, Gap, NamedEffect, Verdict
 from .analyse import analyse
 from .candidates import missing
 from .fit import Fit
-from .hypothesis import Hypothesis
 from .observe import Observed
 from .robot import Numerics, Robot
 from .search import Search

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..analyse import SMALLEST
+from ..hypothesis import Hypothesis
 from ..parameters import Free
 from .fit import Fit, fit
-from .hypothesis import Hypothesis, left_of, trimmed
+from .left import left_of, trimmed
 from .robot import Numerics, Robot
 from .roles import roles
 from .segments import CHANGES, Segments, segments

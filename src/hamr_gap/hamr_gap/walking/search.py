@@ -8,9 +8,10 @@ from itertools import combinations
 
 import numpy as np
 
+from ..hypothesis import Hypothesis
 from .candidates import forms
 from .fit import ROUNDS, Fit, fit
-from .hypothesis import Hypothesis, left_of
+from .left import left_of
 from .prepare import Prepared, prepare, settled
 from .screen import Screen, Solution
 from .setting import effect_parameters

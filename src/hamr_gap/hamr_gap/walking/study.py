@@ -19,7 +19,7 @@ from ..study import EFFECTS, HASH, NAMED, REPORT, VERDICT
 from .bags import read
 from .found import ROBOT, by_channel, find, model_of, robot_of
 from .found import effects_file as found_effects
-from .hypothesis import trimmed
+from .left import trimmed
 from .segments import CHANGES, Segments, segments
 from .starts import Replay, start
 from .strides import strides

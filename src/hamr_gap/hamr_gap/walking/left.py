@@ -1,42 +1,14 @@
-"""Hypotheses about what is missing, and what each leaves on segments not fitted."""
+"""What a model leaves of segments: mean squares in units of the noise, without the few whose contact may have gone another way."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from .fit import Fit
 from .segments import CHANGES
-from .setting import Candidate
 from .starts import Replay, Started
 
 BLOCK_MS = 100.0  # of judged segments, that count as one
 WORST = 0.1  # of the judged segments, that do not count: their contact may have gone another way
-
-
-@dataclass(frozen=True, eq=False)
-class Hypothesis:
-    """Some effects (none: a re-tune alone), fitted.
-
-    Attributes:
-        effects. fit. left: mean square of judged readings in units of noise, without the worst segments. blocks: (b,) the same of blocks.
-    """
-
-    effects: tuple[Candidate, ...]
-    fit: Fit
-    left: float
-    blocks: np.ndarray
-
-    @property
-    def names(self) -> frozenset:
-        """Families and places."""
-        return frozenset(c.name for c in self.effects)
-
-    @property
-    def parameters(self) -> int:
-        """Number of sizes and shapes."""
-        return sum(len(c.law.parameters) for c in self.effects)
 
 
 def trimmed(residual: np.ndarray) -> tuple[float, np.ndarray]:

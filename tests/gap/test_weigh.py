@@ -1,0 +1,57 @@
+"""Probabilities from what hypotheses leave: the rules, on numbers made here."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from hamr_gap.parameters import Candidate
+from hamr_gap.weigh import UNKNOWN, weigh
+
+
+def weights(**left: float) -> dict[str, float]:
+    """Probability of each name, where a gap of 100 times the noise is left to these shares."""
+
+    def one(names: str, share: float) -> SimpleNamespace:
+        effects = tuple(Candidate(name, FORMS[name], (0,)) for name in names.split("__"))
+        blocks = share * (1.0 + 0.01 * np.random.default_rng(len(names)).standard_normal(24))
+        return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=2)
+
+    tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
+    state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, by_names=lambda: tried)
+    found = weigh(state, 10_000)
+    return {"__".join(c.effect for c in w.hypothesis.effects) if w.hypothesis else "unknown": w.probability for w in found}
+
+
+FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic"}
+
+
+def first(found: dict[str, float]) -> str:
+    return max(found, key=found.get)
+
+
+def test_probabilities_sum_to_one_and_less_left_is_likelier():
+    found = weights(coulomb_friction=0.01, drive_lag=0.02, cubic_stiffness=0.5)
+    assert np.isclose(sum(found.values()), 1.0)
+    assert found["coulomb_friction"] > found["drive_lag"] > found["cubic_stiffness"]
+
+
+def test_where_every_name_leaves_too_much_the_law_is_unknown():
+    """Also where the name that leaves least pays for holding another."""
+    assert first(weights(coulomb_friction=1.2 * UNKNOWN, drive_lag=0.5)) == "unknown"
+    assert first(weights(stribeck_friction=1.5 * UNKNOWN, drive_lag=1.8 * UNKNOWN, cubic_stiffness=2.0 * UNKNOWN)) == "unknown"
+
+
+def test_a_wider_name_that_leaves_little_keeps_the_law_known():
+    found = weights(coulomb_friction=0.9 * UNKNOWN, stribeck_friction=0.4 * UNKNOWN)
+    assert found["unknown"] < 0.1
+    assert found["coulomb_friction"] > found["stribeck_friction"]  # the simpler name, until three nats speak against it
+
+
+def test_a_second_effect_must_earn_its_place_but_does_not_make_the_law_unknown():
+    single = weights(coulomb_friction=0.02, coulomb_friction__drive_lag=0.01)
+    assert first(single) == "coulomb_friction"
+    pair = weights(coulomb_friction=0.5, coulomb_friction__drive_lag=0.02)
+    assert first(pair) == "coulomb_friction__drive_lag"
+    assert pair["unknown"] < 0.02
