@@ -47,3 +47,11 @@ def test_table_gains_and_figure(run, tmp_path):
     assert {row["plant"] for row in gained} == {"published"}
     assert all(row["gain"] < 1 for row in gained)
     assert evaluate.figure(rows, tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_effects_are_added_to_the_plant(run, tmp_path):
+    """HAMR-full with stiffer hips strays from HAMR-full; without effects it does not."""
+    file = tmp_path / "stiffer.yaml"
+    file.write_text("effects: []\nchanges:\n  - {change: stiffness, joints: [all], value: 5.0e-5, unit: N*m/rad}\n")
+    with_them, without = (evaluate.errors("full", run, (8.0,), effects=e).mse[0, 0] for e in (file, ""))
+    assert without < 1e-9 < 1e-6 < with_them < run.q.var()
