@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,10 @@ from .pieces import Pieces
 SHARES = {"fit": 0.5, "select": 0.25, "calibrate": 0.1, "report": 0.15}
 DEAD_S = 0.5  # between roles, less where a whole record is short
 DEAD_SHARE = 0.03
-CYCLE_S = 4.0  # in which each role has its turn, so that all see every kind of excitation
+CYCLE_S = 12.0  # in which each role has its turns
+#: Of one cycle. What is fitted lies all over it, or a part that is driven in another way would be judged and never fitted.
+CYCLE = ("fit", "select", "fit", "report", "fit", "select", "fit", "calibrate", "fit", "select", "fit", "report", "fit")
+FEWEST = 80  # readings that serve at all
 TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces, shuffled anew each time
 FRESH = 0.2  # of a piece: dead time enough where all starts anew
 
@@ -30,7 +34,9 @@ class Roles:
 
 
 def roles_of(model: Model, seconds_per_t: float) -> Roles:
-    """Turns of the four roles, with dead time after each; the first readings, in which an unknown start is forgotten, serve none.
+    """Turns of the four roles, with dead time between them; the first readings serve none.
+
+    However surely a machine began at rest, sensors that are late show its first move at another time than drives that are.
 
     Raises:
         BagError: too short to be divided.
@@ -39,18 +45,18 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
     dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
     if model.pieces is not None and len(model.pieces) >= len(TURNS):
         return _by_piece(model.pieces, n, dead)
-    begin = 0 if model.record.rest else dead
-    cycles = max(1, round((n - begin) * model.reading_step * seconds_per_t / CYCLE_S))
+    cycles = max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
+    turns = CYCLE * cycles
+    useful = n - dead * sum(a != b for a, b in pairwise(turns))
+    if useful < FEWEST:
+        raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
     roles = {name: np.zeros(n, bool) for name in SHARES}
-    edges = np.linspace(begin, n, cycles + 1).astype(int)
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        useful, at = stop - start - len(SHARES) * dead, start
-        if useful * cycles < 80:
-            raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
-        for name, share in SHARES.items():
-            end = at + int(share * useful)
-            roles[name][at:end] = True
-            at = end + dead
+    at, before = float(dead), turns[0]
+    for name in turns:
+        at += dead * (name != before)
+        end = at + SHARES[name] * useful / turns.count(name)
+        roles[name][round(at) : round(end)] = True
+        at, before = end, name
     for start in () if model.pieces is None or model.record.rest else model.pieces.first:
         for part in roles.values():
             part[start : start + dead] = False
