@@ -19,6 +19,8 @@ from .weighed import Weighed
 
 TRIALS = np.array([1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
+DELTAS = (1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
+FORESEEN = 0.01  # of the cost: if derivatives promise more than this and nothing is gained, larger ones are tried
 HALVINGS = 30  # of a start that diverges
 
 
@@ -57,10 +59,10 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
     s, _ = weighed.solve_sensors(run, doubt=doubt)
     s, cost = weighed.solve_sensors(run, weighed.sensors(s).shift, doubt)
     cost += doubt * _prior(x, center, sd)
-    converged = False
+    converged, delta = False, DELTAS[0]
     for _ in range(steps):
         sensors = weighed.sensors(s)
-        derivatives = jacobian(weighed, free, x, run, sensors)
+        derivatives = jacobian(weighed, free, x, run, sensors, delta=delta)
         residual = target - weighed.vector(sensors.read(run, model.reading_step, model.starts))
         doubt, n = weighed.doubt(residual), len(free)
         own = np.append(s[:-1], 0.0)  # the shift has no prior
@@ -81,15 +83,15 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
                 continue  # past the best
             solutions[k], left = weighed.solve_sensors(runs[k], sensors.shift, doubt)
             costs[k] = left + doubt * _prior(trials[k], center, sd)
-        best = int(np.argmin(costs))
-        if not costs[best] < cost:
-            converged = True
-            break
-        gained = cost - costs[best]
-        x, run, s, cost = trials[best], runs[best], solutions[best], float(costs[best])
+        best, foreseen = int(np.argmin(costs)), 0.5 * float(gradient @ direction)
+        gained = max(cost - costs[best], 0.0)
+        if gained > 0.0:
+            x, run, s, cost = trials[best], runs[best], solutions[best], float(costs[best])
         if gained < tolerance * cost or gained < 0.05:
-            converged = True
-            break
+            if foreseen < FORESEEN * cost or delta == DELTAS[-1]:
+                converged = True
+                break
+            delta = DELTAS[DELTAS.index(delta) + 1]
     sensors, run = weighed.sensors(s), model.runs(free, x)[0]
     return Fit(tuple(free), x, sensors, run, sensors.read(run, model.reading_step, model.starts), cost, converged)
 

@@ -10,17 +10,18 @@ from .parameters import Free
 from .sensors import Sensors
 from .weighed import Weighed
 
-DELTA = 1e-3  # of a parameter's prior, or of its scale where that is narrower
 
-
-def jacobian(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray, sensors: Sensors) -> np.ndarray:
+def jacobian(
+    weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray, sensors: Sensors, *, delta: float = 1e-3,
+) -> np.ndarray:  # fmt: skip
     """(m, P + sensors) derivatives of the weighed readings that count: free numbers first, then the sensors' part.
 
     Args:
         x: (P,) in scales. run: (n, channels) at x, n at least `weighed.until`. sensors: what reads it.
+        delta: step of the differences, in standard deviations of a parameter's prior, or its scale where that is narrower.
     """
     model = weighed.model
-    step = DELTA * np.minimum([f.sd for f in free], 1.0)
+    step = delta * np.minimum([f.sd for f in free], 1.0)
     step = np.where(x + step > [f.high for f in free], -step, step)
 
     def read(run: np.ndarray) -> np.ndarray:

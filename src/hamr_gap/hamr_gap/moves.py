@@ -67,7 +67,28 @@ def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything:
     """One more effect beside others, in a linear picture about them; the first name in all its forms."""
     wanted = [c for c in everything if all(c.effect != e.effect for e in others.effects)]
     found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
-    return [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in _promising(found)]
+    fitted = [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in _promising(found)]
+    return [*fitted, *at_both(weighed, judged, fitted)]
+
+
+def at_both(weighed: Weighed, judged: np.ndarray, found: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Last effects with a threshold, found at each joint by itself, together from there: their thresholds differ, and no screen knows them."""
+    best: dict[tuple[str, str], dict[int, Hypothesis]] = {}
+    for h in sorted(found, key=lambda h: -h.left):
+        c = h.effects[-1]
+        if len(c.places) == 1 and c.law.acts != "pair" and any(p.screen for p in c.law.sizes):
+            best.setdefault((c.effect, c.form), {})[c.joints[0]] = h
+    pairs = [tuple(at.values()) for at in best.values() if len(at) == 2]
+    return [_together(weighed, judged, *sorted(pair, key=lambda h: h.left)) for pair in pairs]
+
+
+def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypothesis) -> Hypothesis:
+    own, added = h.effects[-1], other.effects[-1]
+    rows = {f.row for f in effect_parameters((added,), weighed.model.scales)}
+    more = [(f, x) for f, x in zip(other.fit.free, other.fit.x, strict=True) if f.row in rows]
+    effects = (*h.effects[:-1], replace(own, joints=tuple(sorted((*own.joints, *added.joints)))))
+    free, x = (*h.fit.free, *(f for f, _ in more)), np.array([*h.fit.x, *(x for _, x in more)])
+    return refine(weighed, judged, Start(effects, free, x, np.inf))
 
 
 def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:

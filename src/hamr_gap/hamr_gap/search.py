@@ -10,7 +10,7 @@ import numpy as np
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, refine, residual
-from .moves import beside, in_forms, look, narrowed, pairs_of, singles, special_cases, without
+from .moves import at_both, beside, in_forms, look, narrowed, pairs_of, singles, special_cases, without
 from .parameters import Candidate
 from .record import noise_of
 from .screen import Screen
@@ -80,6 +80,7 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
     given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
     alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
     state.tried += [refine(weighed, judged, start) for start in in_forms(alone, SINGLES, ALL_FORMS)]
+    state.tried += at_both(weighed, judged, state.tried)
     best = sorted(state.tried, key=lambda h: h.left)[:LED]
     led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
@@ -108,19 +109,19 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
 def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:
     """Takes each effect of the best set out in turn and looks for what stands best beside the others, until that changes nothing.
 
+    Of a set that explains all there is, each effect is taken out once: others may explain as much.
+
     Args:
         known: others beside which that has been looked for.
     """
     done = {frozenset(known.effects)}
-    while state.best.left - state.floor > state.enough:
-        every = frozenset(state.best.effects)
-        untried = [c for c in state.best.effects if every - {c} not in done]
-        if not untried:
-            break
-        rest = every - {untried[0]}
+    best = state.best
+    while untried := [c for c in best.effects if frozenset(best.effects) - {c} not in done]:
+        rest = frozenset(best.effects) - {untried[0]}
         done.add(rest)
         others = next((h for h in state.tried if frozenset(h.effects) == rest), None)
-        state.tried += beside(weighed, judged, others or without(weighed, judged, state.best, untried[0]), everything)
+        state.tried += beside(weighed, judged, others or without(weighed, judged, best, untried[0]), everything)
+        best = state.best if best.left - state.floor > state.enough else best
 
 
 def noise_floor(weighed: Weighed, best: Hypothesis) -> float:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+from ..scalar import cos, floor, sin
 from .law import Effect, Form, Input, Parameter
+
+WAVES = (1, 2, 3)
 
 
 def linear(x: Input, p, z):
@@ -17,10 +22,20 @@ def settling(x: Input, p, z):
     return x.u + (p["change"] * done) * x.u, (done,)
 
 
+def waves(x: Input, p, z):
+    """u (1 + three waves, of a period, half and a third of it): a gain that comes and goes."""
+    gain, turn = 1.0, x.time / p["period"]
+    for n in WAVES:
+        phase = n * turn
+        phase = 2.0 * math.pi * (phase - floor(phase + 0.5))
+        gain = gain + p[f"sine{n}"] * sin(phase) + p[f"cosine{n}"] * cos(phase)
+    return x.u * gain, z
+
+
 EFFECT = Effect(
     name="drive_drift",
     part="actuator",
-    summary="A drive gain that changes steadily over the run.",
+    summary="A drive gain that changes slowly over the run.",
     forms=(
         Form("linear", "drive", linear, (Parameter("rate", "1/T", 1e-5, -1e-2, 1e-2, "relative change per time"),), order=8),
         Form(
@@ -32,6 +47,16 @@ EFFECT = Effect(
                 Parameter("time", "T", 500.0, 20.0, 1e6, "in which most of it happens", shape=True, screen=(100.0, 500.0, 2000.0)),
             ),
             states=1,
+            order=8,
+        ),
+        Form(
+            "waves",
+            "drive",
+            waves,
+            (
+                *(Parameter(f"{part}{n}", "1", 0.03, -0.9, 0.9, f"of wave {n}") for n in WAVES for part in ("sine", "cosine")),
+                Parameter("period", "T", 2000.0, 100.0, 1e5, "of the longest wave", shape=True, screen=(1000.0, 2000.0, 4000.0)),
+            ),
             order=8,
         ),
     ),
