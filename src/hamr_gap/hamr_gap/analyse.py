@@ -63,10 +63,9 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     prepared = prepare(machine, record)
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
     prepared = replace(prepared, base=state.base)
-    weights = weigh(state, int(prepared.judged.sum()))
+    least = prepared.weighed.model.mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
+    weights = weigh(state, int(prepared.judged.sum()), least)
     evidence = _evidence(prepared, state)
-    mean = prepared.weighed.model.mean
-    least = mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
     explained = prepared.base.left - state.best.left
     named = explained > max(least, SHARE * (prepared.base.left - state.floor)) and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
     if not named and structural(prepared.weighed, prepared.judged, prepared.base.fit):

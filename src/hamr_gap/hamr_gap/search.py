@@ -99,7 +99,8 @@ def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Calla
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += narrowed(weighed, judged, state.best)
     state.tried += special_cases(weighed, judged, state.best)
-    if stairs := staircases(weighed, judged, state.best):
+    of_size = [state.best_of(size) for size in sorted({len(h.effects) for h in state.tried})]
+    if stairs := next((s for h in (*of_size, state.best) if (s := staircases(weighed, judged, h))), None):
         report("steps of sensors")  # seen by themselves, they belong to every answer
         state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
     state.floor = noise_floor(weighed, state.best)

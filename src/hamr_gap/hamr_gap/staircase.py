@@ -1,7 +1,8 @@
 """Sensors with coarse steps: found in how the residual hangs on the angle, for no derivative leads to them.
 
 A sensor that knows multiples of a step adds a sawtooth of the angle to what it reads, whose first harmonic has the step over pi as
-its size. The residual, summed over narrow classes of the simulated angle and transformed, shows it as a line of just that height.
+its size. The residual, summed over narrow classes of the simulated angle and transformed, shows it as a line of just that height. A
+counter that moves on late has another sawtooth on the way up than on the way down, so each way is looked at by itself.
 """
 
 from __future__ import annotations
@@ -23,15 +24,17 @@ FINER = 8  # points of the spectrum between two lines that the travel tells apar
 FEWEST = 4.0  # steps in the whole travel
 LINE = 40.0  # of the summed square, that a line has over the mean: chance gives 16 in one of a thousand records
 HEIGHT = (0.6, 1.3)  # of the first harmonic, over step / pi
+PROMPT = 0.04  # of a step, by which a sensor that is late must be
 STEPPED = 0.8  # of what is left of a sensor, that must be left at most with its steps
 
 
 @dataclass(frozen=True, slots=True)
 class Staircase:
-    """Of one joint's sensor: step and offset of its readings, Q; spread of the step found."""
+    """Of one joint's sensor: step and offset of its readings, Q; share of a step by which it is late; spread of the step found."""
 
     step: float
     offset: float
+    stick: float
     spread: float
 
 
@@ -65,39 +68,48 @@ def staircase(angle: np.ndarray, left: np.ndarray) -> Staircase | None:
     low, travel = angle.min(), np.ptp(angle)
     if travel == 0.0:
         return None
-    left = left - left.mean()
-    count = len(left)
-    summed = np.bincount(np.minimum(((angle - low) / travel * CLASSES).astype(int), CLASSES - 1), left, CLASSES)
-    spectrum = np.fft.rfft(summed, FINER * CLASSES)[: FINER * CLASSES // 8]
-    power = np.abs(spectrum) ** 2 / np.sum(left**2)
+    count, square = len(left), np.sum((left - left.mean()) ** 2)
+    rising = np.gradient(angle) > 0.0
+    ways = [(angle[way], left[way] - left[way].mean()) for way in (rising, ~rising) if way.any()]
+    summed = (np.bincount(np.minimum(((q - low) / travel * CLASSES).astype(int), CLASSES - 1), x, CLASSES) for q, x in ways)
+    spectrum = sum(np.abs(np.fft.rfft(x, FINER * CLASSES)[: FINER * CLASSES // 8]) for x in summed)
+    power = spectrum**2 / square
     steps_in_travel = np.arange(len(power)) / FINER
     first = int(FEWEST * FINER)
-    height = 2.0 * np.pi * np.abs(spectrum[first:]) / count * steps_in_travel[first:] / travel  # over step / pi
+    height = 2.0 * np.pi * spectrum[first:] / count * steps_in_travel[first:] / travel  # over step / pi
     fits = (power[first:] > LINE) & (HEIGHT[0] < height) & (height < HEIGHT[1])
     if not fits.any():
         return None
     k = first + int(np.argmax(np.where(fits, power[first:], 0.0)))
-    # read - angle is a sum over m of step / (pi m) (-1)^m sin(2 pi m (angle - offset) / step): about -sin for m = 1, a phase of +90 degrees
     about = travel / steps_in_travel[k]
     near = about * (1.0 + np.linspace(-0.25, 0.25, 81) / steps_in_travel[k])
-    best = max(near.tolist(), key=lambda step: abs(np.sum(left * np.exp(-2j * np.pi * angle / step))))
-    phase = np.angle(np.sum(left * np.exp(-2j * np.pi * angle / best)))
-    offset = -(phase - 0.5 * np.pi) / (2.0 * np.pi) * best
-    return Staircase(best, float((offset + 0.5 * best) % best - 0.5 * best), float(best**2 / travel / np.sqrt(power[k])))
+    best = max(near.tolist(), key=lambda step: sum(abs(_line(q, x, step)) for q, x in ways))
+    # read - angle is a sum over m of step / (pi m) (-1)^m sin(2 pi m (angle - offset) / step): about -sin for m = 1, a phase of +90 degrees
+    up, *down = (-(np.angle(_line(q, x, best)) - 0.5 * np.pi) / (2.0 * np.pi) for q, x in ways)
+    down = down[0] if down else up
+    stick = 0.5 * ((up - down) % 1.0)
+    stick = float(stick) if PROMPT < stick < 0.5 - PROMPT else 0.0
+    offset = down + stick if stick else np.angle(np.exp(2j * np.pi * up) + np.exp(2j * np.pi * down)) / (2.0 * np.pi)
+    return Staircase(best, float(((offset + 0.5) % 1.0 - 0.5) * best), stick, float(best**2 / travel / np.sqrt(power[k])))
+
+
+def _line(angle: np.ndarray, left: np.ndarray, step: float) -> complex:
+    return complex(np.sum(left * np.exp(-2j * np.pi * angle / step)))
 
 
 def with_stairs(weighed: Weighed, judged: np.ndarray, h: Hypothesis, stairs: dict[int, Staircase]) -> Hypothesis:
     """A hypothesis with the steps of some sensors besides; nothing else is fitted anew, for steps move nothing on the average."""
-    effect = Candidate("sensor_quantisation", "rounding", tuple(sorted(stairs)))
+    form = "hysteresis" if any(s.stick for s in stairs.values()) else "rounding"
+    effect = Candidate("sensor_quantisation", form, tuple(sorted(stairs)))
     pinned = [_pinned(free, stairs[int(free.row.rsplit(".", 1)[1])]) for free in effect_parameters([effect], weighed.model.scales)]
     return judge(weighed, judged, (*h.effects, effect), _read(weighed, h.fit, pinned))
 
 
 def _pinned(free: Free, stairs: Staircase) -> Free:
     """A parameter that stays where it was found."""
-    step = ".step." in free.row
-    x = (stairs.step if step else stairs.offset) / free.scale
-    return replace(free, low=x, high=x, center=x, sd=(stairs.spread if step else stairs.step / 10.0) / free.scale)
+    name = free.row.split(".")[2]
+    x, sd = {"step": (stairs.step, stairs.spread), "offset": (stairs.offset, 0.1 * stairs.step), "stick": (stairs.stick, 0.1)}[name]
+    return replace(free, low=x / free.scale, high=x / free.scale, center=x / free.scale, sd=sd / free.scale)
 
 
 def _read(weighed: Weighed, found: Fit, pinned: Sequence[Free]) -> Fit:

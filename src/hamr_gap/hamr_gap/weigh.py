@@ -40,11 +40,11 @@ class Weight:
     probability: float
 
 
-def weigh(state: Search, count: int) -> list[Weight]:
+def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     """Probabilities of all sets of names tried and of "unknown", most probable first.
 
     Args:
-        count: judged readings.
+        count: judged readings. nothing: mean square, in units of the noise, that would be no gap if it were all: nothing unknown is in it.
     """
     gap = max(state.base.left - state.floor, 1e-12)
     least = FORM_ERROR + (FLOOR_ERROR * state.floor + 2.0 * DECIDES / count) / gap
@@ -62,7 +62,7 @@ def weigh(state: Search, count: int) -> list[Weight]:
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
     # a law outside the library competes with the first names by what they leave, whatever their price
     first = max((s for *_, s in found), default=0.0)
-    left = min((left for _, left, s in found if s >= first - CONTAINS), default=UNKNOWN)
+    left = max(min((left for _, left, s in found if s >= first - CONTAINS), default=UNKNOWN) - nothing / gap, 0.0)
     found.append((None, UNKNOWN, first + SHARPNESS * np.log((left + least) / (UNKNOWN + least))))
     score = np.array([s for *_, s in found])
     p = np.exp(score - score.max())
