@@ -156,6 +156,53 @@ def test_a_coarse_sensor_knows_multiples_only():
     assert found == pytest.approx([0.02, 0.12, -0.28])  # multiples counted from where it reads as it is
 
 
+def test_a_counter_moves_on_late_whichever_way_it_is_turned():
+    law, z, given = find("sensor_quantisation", "hysteresis"), (0.0,), {"step": 0.1, "offset": 0.0, "stick": 0.2}
+    up, down, read = np.linspace(0.0, 0.4, 401), np.linspace(0.4, 0.0, 401), {}
+    for way, angles in (("up", up), ("down", down)):
+        found = []
+        for y in angles:
+            out, z = law.law(Signal(float(y), H), given, z)
+            found.append(float(out))
+        steps = np.flatnonzero(np.abs(np.diff(found)) > 0.05)
+        read[way] = angles[steps]
+    assert read["up"] == pytest.approx([0.07, 0.17, 0.27, 0.37], abs=2e-3)  # half a step and 0.2 of one
+    assert read["down"] == pytest.approx([0.33, 0.23, 0.13, 0.03], abs=2e-3)
+
+
+def test_a_calibration_curve_can_be_any_smooth_one():
+    """Nine nodes follow an eccentric disc with a wave in 1.2 of the usual angle to 4 % of its error."""
+    law = find("sensor_nonlinearity", "curve")
+    y = np.linspace(-1.6, 1.6, 400)
+    wanted = 0.05 * (np.sin(2 * np.pi * y / 1.7 + 0.4) - np.sin(0.4))
+    names = [p.name for p in law.sizes]
+    columns = [law.law(Signal(y, H), dict.fromkeys(names, 0.0) | {name: 1.0, "step": 0.55}, ())[0] - y for name in names]
+    weights, *_ = np.linalg.lstsq(np.column_stack(columns), wanted, rcond=None)
+    read, _ = law.law(Signal(y, H), dict(zip(names, weights, strict=True)) | {"step": 0.55}, ())
+    assert np.sqrt(np.mean((read - y - wanted) ** 2)) < 0.04 * np.sqrt(np.mean(wanted**2))
+
+
+def test_a_cascade_is_as_late_as_a_mean_and_loses_as_much():
+    """Against the transfer function of a mean over twice the time, up to where that has lost a tenth."""
+    law, time, step = find("sensor_lag", "cascade"), 0.5, 0.01
+    for omega in (0.3, 0.8, 1.5):
+        z, response, n = (0.0,) * 3, 0.0, int(20 * 2 * np.pi / omega / step)
+        for k in range(n):
+            phase = np.exp(1j * omega * k * step)
+            out, z = law.law(Signal(phase.real, step), {"time": time}, z)
+            response += 2.0 * out * phase.conjugate() / (0.5 * n) if k >= n // 2 else 0.0
+        mean = np.exp(-1j * omega * time) * np.sin(omega * time) / (omega * time)
+        assert abs(response - mean) < 0.02
+
+
+def test_a_gain_comes_and_goes_with_its_period():
+    law = find("drive_drift", "waves")
+    given = {p.name: 0.0 for p in law.parameters} | {"sine1": 0.1, "cosine3": 0.2, "period": 40.0}
+    for t in (0.0, 3.0, 17.0, 31.0, 1234.5):
+        u, _ = law.law(Input(2.0, (2.0,), 0, t, H), given, ())
+        assert u == pytest.approx(2.0 * (1.0 + 0.1 * np.sin(2 * np.pi * t / 40.0) + 0.2 * np.cos(6 * np.pi * t / 40.0)), abs=1e-9)
+
+
 def pair(q, v=(0.0, 0.0), drive=(0.3, -0.2)) -> Pair:
     return Pair(tuple(q), tuple(v), drive, (1.5, 0.8), (1.0, 1.0), H)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hamr_gap.sensors import late
@@ -23,6 +23,24 @@ def test_step_and_offset_are_found(step, share):
     assert seen.step == pytest.approx(step, rel=3e-3)
     wrong = (seen.offset - offset + 0.5 * step) % step - 0.5 * step
     assert abs(wrong) < 0.05 * step
+
+
+@settings(max_examples=30)
+@given(st.floats(0.006, 0.03), st.floats(-0.5, 0.5), st.floats(0.1, 0.45))
+def test_a_counter_that_moves_on_late_is_found(step, share, stick):
+    """Also one that is a quarter of a step late, whose sawteeth up and down cancel each other; sampled at 20 kHz, as counters are."""
+    time = np.arange(48000) / 20000.0
+    angle = 0.15 * np.sin(2 * np.pi * 13.0 * time) + 0.08 * np.sin(2 * np.pi * 29.3 * time + 1.0)
+    offset, now, read = share * step, 0.0, []
+    for x in ((angle - offset) / step).tolist():
+        if abs(x - now) > 0.5 + stick:
+            now = round(x)
+        read.append(now)
+    seen = staircase(angle, step * np.array(read) + offset - angle + 1e-3 * np.tile(NOISE, 2))
+    assert seen.step == pytest.approx(step, rel=5e-3)
+    assert seen.stick == pytest.approx(stick, abs=0.03)
+    wrong = (seen.offset - offset + 0.5 * step) % step - 0.5 * step
+    assert abs(wrong) < 0.08 * step
 
 
 @pytest.mark.parametrize("left", [1e-3 * NOISE, 0.3 * ANGLE**3, 2e-3 * np.sign(ANGLE), 1e-3 * np.sin(2 * np.pi * ANGLE / 0.03)])

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
+from scipy.optimize import minimize
 
 from .fit import Fit
 from .hypothesis import Hypothesis, judge, residual
@@ -24,7 +26,6 @@ FINER = 8  # points of the spectrum between two lines that the travel tells apar
 FEWEST = 4.0  # steps in the whole travel
 LINE = 40.0  # of the summed square, that a line has over the mean: chance gives 16 in one of a thousand records
 HEIGHT = (0.6, 1.3)  # of the first harmonic, over step / pi
-PROMPT = 0.04  # of a step, by which a sensor that is late must be
 STEPPED = 0.8  # of what is left of a sensor, that must be left at most with its steps
 
 
@@ -87,10 +88,31 @@ def staircase(angle: np.ndarray, left: np.ndarray) -> Staircase | None:
     # read - angle is a sum over m of step / (pi m) (-1)^m sin(2 pi m (angle - offset) / step): about -sin for m = 1, a phase of +90 degrees
     up, *down = (-(np.angle(_line(q, x, best)) - 0.5 * np.pi) / (2.0 * np.pi) for q, x in ways)
     down = down[0] if down else up
-    stick = 0.5 * ((up - down) % 1.0)
-    stick = float(stick) if PROMPT < stick < 0.5 - PROMPT else 0.0
-    offset = down + stick if stick else np.angle(np.exp(2j * np.pi * up) + np.exp(2j * np.pi * down)) / (2.0 * np.pi)
-    return Staircase(best, float(((offset + 0.5) % 1.0 - 0.5) * best), stick, float(best**2 / travel / np.sqrt(power[k])))
+    late, prompt = 0.5 * ((up - down) % 1.0), np.angle(np.exp(2j * np.pi * up) + np.exp(2j * np.pi * down)) / (2.0 * np.pi)
+    ways = [np.array([best, (down + late) * best, late]), np.array([best, prompt * best, 0.0])]
+    step, offset, stick = min(ways, key=lambda way: _missed(way, angle, left))
+    if stick:  # near the turns of the motion its sawteeth are none, so what was seen is not exact
+        simplex = np.array([step, offset, stick]) + np.vstack([np.zeros(3), np.diag([0.01 * step, 0.1 * step, 0.05])])
+        closer = minimize(_missed, simplex[0], (angle, left), "Nelder-Mead", options={"initial_simplex": simplex, "maxfev": 150})
+        step, offset, stick = closer.x
+    return Staircase(
+        float(step), float((offset + 0.5 * step) % step - 0.5 * step), float(abs(stick)), float(best**2 / travel / np.sqrt(power[k]))
+    )
+
+
+def _missed(x: Sequence[float], angle: np.ndarray, left: np.ndarray) -> float:
+    """Variance that a step, offset and delay leave of a residual."""
+    step, offset, stick = x
+    return float(np.var(left - (step * np.floor((_played(angle, abs(stick) * step) - offset) / step + 0.5) + offset - angle)))
+
+
+@njit(cache=True)
+def _played(angle: np.ndarray, play: float) -> np.ndarray:
+    out, now = np.empty_like(angle), angle[0]
+    for k in range(angle.size):
+        now = min(max(now, angle[k] - play), angle[k] + play)
+        out[k] = now
+    return out
 
 
 def _line(angle: np.ndarray, left: np.ndarray, step: float) -> complex:

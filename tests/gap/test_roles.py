@@ -1,0 +1,55 @@
+"""Which readings serve what: apart from each other, none in two roles, and every part of a run in most of them."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hamr_description.errors import BagError
+from hamr_gap.roles import DEAD_S, DEAD_SHARE, SHARES, roles_of
+
+
+def roles(readings: int, step: float = 1.0) -> dict[str, np.ndarray]:
+    model = SimpleNamespace(target=np.zeros((readings, 2)), reading_step=step, pieces=None, record=SimpleNamespace(rest=True))
+    return vars_of(roles_of(model, 1e-3))
+
+
+def vars_of(found) -> dict[str, np.ndarray]:
+    return {name: getattr(found, name) for name in SHARES}
+
+
+@given(st.integers(400, 70_000))
+def test_roles_keep_their_distance(readings):
+    found = roles(readings)
+    apart = int(min(DEAD_S * 1e3, DEAD_SHARE * readings))
+    role = np.zeros(readings, int)
+    for k, rows in enumerate(found.values()):
+        role[rows] = k + 1
+    assert all(not (a & b).any() for a, b in combinations(found.values(), 2))
+    served = np.flatnonzero(role)
+    assert served[0] >= apart
+    for a, b in zip(served[:-1], served[1:], strict=True):
+        assert role[a] == role[b] or b - a > apart - 2
+    shares = np.array([rows.sum() for rows in found.values()]) / (role > 0).sum()
+    assert shares == pytest.approx(list(SHARES.values()), abs=0.03)
+
+
+@pytest.mark.parametrize("seconds", [6, 12, 20, 60])
+def test_what_is_fitted_and_what_selects_lie_all_over_a_run(seconds):
+    """A run that is driven in another way in its last fifth, as mixes are, is fitted there too, and judged there."""
+    found = roles(seconds * 1000)
+    fifths = {name: [part.mean() for part in np.array_split(rows, 5)] for name, rows in found.items()}
+    assert min(fifths["fit"]) > 0.08
+    assert sum(x > 0.0 for x in fifths["select"]) >= 3
+    gaps = np.diff(np.flatnonzero(found["fit"])).max()
+    assert gaps < 0.16 * min(seconds, 12) * 1000
+
+
+def test_too_short_a_record_says_so():
+    with pytest.raises(BagError, match="record longer"):
+        roles(60)
