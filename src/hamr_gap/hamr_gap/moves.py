@@ -72,7 +72,7 @@ def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything:
 
 
 def at_both(weighed: Weighed, judged: np.ndarray, found: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Last effects with a threshold, found at each joint by itself, together from there: their thresholds differ, and no screen knows them."""
+    """Last effects with a threshold, found at each joint by itself, together from there: no screen knows two thresholds that differ."""
     best: dict[tuple[str, str], dict[int, Hypothesis]] = {}
     for h in sorted(found, key=lambda h: -h.left):
         c = h.effects[-1]

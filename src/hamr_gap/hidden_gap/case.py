@@ -32,23 +32,18 @@ class Effect:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
-    """A hidden machine and how it is measured; equal cases give equal numbers.
+class Hidden:
+    """What is hidden in a machine, and how that is driven; equal cases give equal numbers.
 
     Attributes:
         name: group and seed, for the answers' file only.
-        group: one of `draw.GROUPS`.
+        group: one of `draw.GROUPS` or `ground.GROUPS`.
         seed: of the draw, the excitation and the noise.
         effects: what is hidden; empty for a null.
-        changes: hidden changes of parameters, `machine.KINDS`.
+        changes: hidden changes of parameters, `machine.KINDS`, and the common time shift.
         seconds: length of the run.
         excitation: arguments of hamr_bags.excitation.excitation.
-        noise: standard deviation of the sensor noise as a share of the stroke.
-        noise_kind: of `noise.KINDS`.
-        channels: those recorded, of CHANNELS.
-        strength: asked, in floors.
-        reached: strength of the machine as drawn, and of each effect in the others' company.
-        step: integration step, ms.
+        noise: standard deviation of the encoders' noise as a share of the stroke.
     """
 
     name: str
@@ -59,6 +54,20 @@ class Case:
     seconds: float
     excitation: dict
     noise: float
+
+
+@dataclass(frozen=True, slots=True)
+class Case(Hidden):
+    """A hidden suspended leg and how it is measured.
+
+    Attributes:
+        noise_kind: of `noise.KINDS`.
+        channels: those recorded, of CHANNELS.
+        strength: asked, in floors.
+        reached: strength of the machine as drawn, and of each effect in the others' company.
+        step: integration step, ms.
+    """
+
     noise_kind: str
     channels: tuple[str, ...]
     strength: float

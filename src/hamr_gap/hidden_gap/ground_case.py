@@ -9,7 +9,7 @@ import numpy as np
 from hamr_bags.excitation import excitation
 from hamr_description.names import JOINTS
 
-from .case import Effect
+from .case import Hidden
 from .conditions import SPREAD, changes
 from .ground_machine import STEP, Walk
 from .ground_strength import Floors, walked
@@ -20,18 +20,10 @@ KINDS = tuple(kind for kind in SPREAD if not kind.startswith("tip"))
 
 
 @dataclass(frozen=True, slots=True)
-class GroundCase:
-    """A hidden robot that walks, and how it is measured; equal cases give equal numbers.
+class GroundCase(Hidden):
+    """A hidden robot that walks. Effects of legs act at all joints or those of an axis, those of body and contact at none.
 
     Attributes:
-        name: group and seed, for the answers' file only.
-        group: one of `ground.GROUPS`.
-        seed: of the draw, the excitation and the noise.
-        effects: what is hidden; empty for a null. Effects of legs act at all joints or those of an axis, those of body and contact at none.
-        changes: hidden changes of parameters, KINDS of names.JOINTS, and the common time shift.
-        seconds: length of the run.
-        excitation: arguments of hamr_bags.excitation.excitation.
-        noise: standard deviation of the encoders' noise as a share of the stroke.
         position_noise, orientation_noise: of motion capture, m and rad.
         strength: asked, in floors.
         reached: that of the channel which shows the effects most, over segments of 20 ms (ground_strength.shown).
@@ -39,14 +31,6 @@ class GroundCase:
         step: integration step, ms.
     """
 
-    name: str
-    group: str
-    seed: int
-    effects: tuple[Effect, ...]
-    changes: dict[str, float]
-    seconds: float
-    excitation: dict
-    noise: float
     position_noise: float = 5e-5
     orientation_noise: float = 2e-3
     strength: float = 5.0
