@@ -62,7 +62,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     report("re-tune")
     prepared = prepare(machine, record)
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
-    prepared = replace(prepared, base=state.base)
+    prepared = replace(prepared, base=state.base, weighed=state.weighed)
     least = prepared.weighed.model.mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
     weights = weigh(state, int(prepared.judged.sum()), least)
     evidence = _evidence(prepared, state)

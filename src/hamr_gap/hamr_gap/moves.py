@@ -58,14 +58,19 @@ def pairs_of(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alo
     """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted."""
     kept = [start.effects[0] for start in first_of_each(alone, len(alone))]
     best = {c: seen.best(c)[0] for c in kept}
-    pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if a.effect != b.effect}
+    pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
     return [refine(weighed, judged, start) for start in _promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS))]
 
 
+def apart(a: Candidate, b: Candidate) -> bool:
+    """Whether two effects may stand beside each other: other names, neither of which has the other as a special case."""
+    return a.effect != b.effect and a.effect not in library()[b.effect].contains and b.effect not in library()[a.effect].contains
+
+
 def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate]) -> list[Hypothesis]:
     """One more effect beside others, in a linear picture about them; the first name in all its forms."""
-    wanted = [c for c in everything if all(c.effect != e.effect for e in others.effects)]
+    wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
     found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
     fitted = [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in _promising(found)]
     return [*fitted, *at_both(weighed, judged, fitted)]

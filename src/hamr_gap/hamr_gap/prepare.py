@@ -62,9 +62,9 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
         model = replace(model, substeps=substeps)
         weighed = replace(weighed, model=model)
         found = fit(weighed, found.free, found.x)
-    weighed = replace(weighed, numerical=numerical)
+    weighed = replace(weighed, numerical=numerical if np.isfinite(numerical) else 0.0)  # a run that diverges says nothing
     if model.pieces is None:  # coarse steps are late too, so only now
-        weighed = _on_time(weighed, found.sensors.shift)
+        weighed = weighed.on_time(found.sensors.shift)
         found = fit(weighed, found.free, found.x)
     model, judged = weighed.model, mask(weighed.model, roles.select)
     raw, _ = left_of(weighed, judged, model.plain)
@@ -78,12 +78,6 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
 def _surprise(record: Record) -> float:
     """By how much less must be left of a drive held between samples, where the driver is known to be faster than that."""
     return HELD if record.held and record.hold else 1.0
-
-
-def _on_time(weighed: Weighed, shift: float) -> Weighed:
-    """With the clocks' shift in the model, so that what sensors do besides is done to what they see."""
-    model, coarse = (replace(m, delay=shift) for m in (weighed.model, weighed.coarse))
-    return replace(weighed, model=model, coarse=coarse)
 
 
 def _tuned(machine: Machine, record: Record, noise: np.ndarray) -> tuple[Weighed, Fit, Roles]:

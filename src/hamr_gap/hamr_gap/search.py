@@ -25,6 +25,7 @@ ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
+LATE = 0.1  # of a reading's step: what an effect moves the clocks' shift by, before all is simulated with the new one
 CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
 FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
 
@@ -34,10 +35,12 @@ class Search:
     """What was tried.
 
     Attributes:
-        base: the re-tuned model without effects, perhaps better than the one the search began with. seen: the linear picture about it.
+        weighed: the model that was tried, perhaps better timed than the one the search began with.
+        base: the re-tuned model without effects, perhaps better than that one too. seen: the linear picture about it.
         tried: all hypotheses with effects. floor: mean square that noise alone leaves.
     """
 
+    weighed: Weighed
     base: Hypothesis
     seen: Screen
     tried: list[Hypothesis] = field(default_factory=list)
@@ -65,26 +68,32 @@ class Search:
         return found
 
 
-def search(weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Callable[[str], None] = lambda _: None) -> Search:
+def search(
+    weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Callable[[str], None] = lambda _: None, *, timed: bool = False,
+) -> Search:  # fmt: skip
     """Names that could close the gap of a re-tuned model.
 
     Args:
-        report: told what is being done.
+        report: told what is being done. timed: whether the clocks' shift is that of an effect already.
     """
     everything = candidates(weighed.model.machine, weighed.model.record.channels)
     report("screen")
     seen = look(weighed, base.fit, everything)
-    state = Search(base, seen)
+    state = Search(weighed, base, seen)
     report("singles")
     alone = singles(weighed, base.fit, seen, everything)
     given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
     alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
     state.tried += [refine(weighed, judged, start) for start in in_forms(alone, SINGLES, ALL_FORMS)]
     state.tried += at_both(weighed, judged, state.tried)
+    late = state.best.fit.sensors.shift
+    if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
+        weighed = weighed.on_time(weighed.model.delay + late)  # what looked like late clocks without the effect
+        return search(weighed, judged, without(weighed, judged, state.best, state.best.effects[0]), report, timed=True)
     best = sorted(state.tried, key=lambda h: h.left)[:LED]
     led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
-        return search(weighed, judged, led, report)
+        return search(weighed, judged, led, report, timed=timed)
     for size in range(2, LARGEST + 1):
         state.floor = noise_floor(weighed, state.best)
         before = state.best.left - state.floor

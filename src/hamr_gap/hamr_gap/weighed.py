@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -66,6 +66,11 @@ class Weighed:
     def sensor_count(self) -> int:
         """Columns of `sensor_columns`."""
         return len(self.biased) + len(self.gains) + 1
+
+    def on_time(self, delay: float) -> Weighed:
+        """With the clocks' shift, T, in the model, so that what sensors do besides is done to what they see."""
+        model, coarse = (replace(m, delay=delay) if m else None for m in (self.model, self.coarse))
+        return replace(self, model=model, coarse=coarse)
 
     def moved(self, run: np.ndarray, shift: float) -> np.ndarray:
         """A run as late as it is read, about which sensors are linear; in short pieces, which are moved to first order, about no shift."""
