@@ -11,13 +11,15 @@ from scipy.signal import lfilter
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
 from hamr_gap.colour import correlation_time
+from hamr_gap.fit import fit
 from hamr_gap.flagship_find import recorded
 from hamr_gap.hypothesis import Start, refine
 from hamr_gap.legs import machine_of
-from hamr_gap.moves import narrowed, special_cases, without
+from hamr_gap.moves import apart, at_both, narrowed, special_cases, without
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.record import Record
+from hamr_gap.sensors import Sensors
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
 FRICTION = Candidate("coulomb_friction", "presliding", (0,))
@@ -25,18 +27,23 @@ FRICTION = Candidate("coulomb_friction", "presliding", (0,))
 
 @pytest.fixture(scope="module")
 def rubbing() -> Prepared:
-    """A leg with friction in its swing joint, driven by noise to 40 Hz."""
+    """A leg with friction in its swing joint."""
+    return prepare(machine_of("simple", "fl"), shaken("coulomb_friction.presliding", {"level.0": 4e-3, "distance.0": 0.005}))
+
+
+def shaken(law: str, rows: dict[str, float]) -> Record:
+    """A leg with some rows of a law on, driven by noise to 40 Hz."""
     leg = machine_of("simple", "fl")
     n = int(SECONDS * 1e3 / STEP)
     random, time = np.random.default_rng(2), np.arange(n) * STEP * 1e-3
     waves = [(random.uniform(3.0, 40.0), random.uniform(0.0, 2 * np.pi, 2)) for _ in range(40)]
     drives = 9.0 * sum(np.sin(2 * np.pi * hz * time[:, None] + phase) for hz, phase in waves)
     row = leg.neutral(Scales(0.06, 0.1, 0.07, 60.0))
-    for name, x in (("level", 4e-3), ("distance", 0.005)):
-        row[leg.parameter_rows.index(f"coulomb_friction.presliding.{name}.0")] = x
+    for name, x in rows.items():
+        row[leg.parameter_rows.index(f"{law}.{name}")] = x
     truth = machine_kernel.simulate(leg, np.repeat(drives, 5, axis=0), row[None], step=STEP / 5, substeps=1)[0][::5]
     readings = truth + 1e-3 * np.ptp(truth, axis=0) * random.standard_normal(truth.shape)
-    return prepare(leg, Record(drives, readings, STEP, leg.channels))
+    return Record(drives, readings, STEP, leg.channels)
 
 
 def fitted(prepared: Prepared, *effects: Candidate):
@@ -60,6 +67,53 @@ def test_a_name_that_holds_a_simpler_one_gives_way_to_it(rubbing):
     assert {s.names for s in simple} == {frozenset({FRICTION.name})}
     assert {s.effects[0].form for s in simple} == {"sign", "presliding", "asymmetric"}
     assert min(s.left for s in simple) < 1.05 * h.left
+
+
+def test_thresholds_found_at_each_joint_are_tried_together():
+    """Drives that clip at 65 and 45 V: neither joint's limit alone explains it, nor one limit for both."""
+    record = shaken("drive_saturation.hard", {"sharpness.0": 1 / 65.0, "sharpness.1": 1 / 45.0})
+    clipped = prepare(machine_of("simple", "fl"), record)
+    unit = clipped.weighed.model.scales.drive
+    alone = []
+    for joint, limit in ((0, 60.0), (1, 50.0)):
+        c = Candidate("drive_saturation", "hard", (joint,))
+        free = (*clipped.base.fit.free, *effect_parameters((c,), clipped.weighed.model.scales))
+        start = Start((c,), free, np.array([*clipped.base.fit.x, unit / limit]), np.inf)
+        alone.append(refine(clipped.weighed, clipped.judged, start))
+    (both,) = at_both(clipped.weighed, clipped.judged, alone)
+    assert both.effects == (Candidate("drive_saturation", "hard", (0, 1)),)
+    assert both.left < 1.1 < 2.0 < min(h.left for h in alone)
+    limits = {f.row: unit / x for f, x in zip(both.fit.free, both.fit.x, strict=True)}
+    assert limits["drive_saturation.hard.sharpness.0"] == pytest.approx(65.0, rel=0.02)
+    assert limits["drive_saturation.hard.sharpness.1"] == pytest.approx(45.0, rel=0.02)
+
+
+def test_no_name_stands_beside_its_own_special_case():
+    cubic, wide = Candidate("cubic_stiffness", "cubic", (0,)), Candidate("configuration_dependent_stiffness", "well", (1,))
+    assert not apart(cubic, wide)
+    assert not apart(wide, cubic)
+    assert not apart(cubic, Candidate("cubic_stiffness", "mixed", (1,)))
+    assert apart(cubic, FRICTION)
+
+
+def test_a_shift_of_the_clocks_in_the_model_is_that_of_its_sensors(rubbing):
+    late = 0.3  # ms
+    moved = rubbing.weighed.on_time(rubbing.weighed.model.delay + late)
+    free, x = rubbing.base.fit.free, rubbing.base.fit.x
+    before = Sensors(np.zeros(4), np.zeros(4), late).read(rubbing.weighed.model.runs(free, x)[0], rubbing.weighed.model.reading_step)
+    after = moved.model.runs(free, x)[0]
+    assert np.abs(after - before)[500:-10].max() < 0.02 * rubbing.noise.min()
+
+
+def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing, monkeypatch):
+    """Dry friction that changes its sign at once looks rough from near by: a fit from there ends in 0.7 of the cost."""
+    effects = (Candidate("coulomb_friction", "sign", (0,)),)
+    free = (*rubbing.base.fit.free, *effect_parameters(effects, rubbing.weighed.model.scales))
+    x = np.array([*rubbing.base.fit.x, 0.05, 1e-3])
+    coarse = fit(rubbing.weighed, free, x)
+    monkeypatch.setattr("hamr_gap.fit.FORESEEN", np.inf)
+    fine = fit(rubbing.weighed, free, x)
+    assert coarse.cost < 0.8 * fine.cost
 
 
 def test_no_sensor_changes_its_scale_to_mend_a_wrong_model():

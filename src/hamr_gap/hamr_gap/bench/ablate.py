@@ -16,7 +16,7 @@ import tyro
 
 from hamr_description.errors import ConfigError, HamrError
 
-from .. import analyse, prepare, search, weigh, weighed
+from .. import analyse, fit, moves, prepare, roles, search, weigh, weighed
 from . import score
 from .cases import path
 from .run import blind
@@ -36,6 +36,10 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "forms": ((search, "ALL_FORMS", 0),),
     "doubt": ((weighed.Weighed, "doubt", lambda *_: 1.0),),
     "led": ((search, "BETTER", 0.0),),
+    "thresholds": tuple((module, "at_both", lambda *_: []) for module in (search, moves)),
+    "timed": ((search, "LATE", float("inf")),),
+    "coarser": ((fit, "FORESEEN", float("inf")),),
+    "all_over": ((roles, "CYCLE", tuple(roles.SHARES)), (roles, "CYCLE_S", 4.0)),
     "held_out": ((prepare, "roles_of", _judged_by_the_fitted),),
     "finer": ((prepare, "ENOUGH", float("inf")),),
     "staircase": ((search, "staircases", lambda *_: {}),),
