@@ -22,6 +22,7 @@ FEWEST = 40  # readings of a piece
 RUN_IN = 0.2  # of a piece
 ORDER = 3  # of the local polynomials
 WIDTHS = (3, 5, 8, 12, 18, 27, 40, 60, 90, 135, 200)  # samples on either side
+NEAR = 8  # samples on either side, within which a start must be measured
 AGREE = 3.0  # standard deviations within which a wide window agrees with all narrower ones
 
 
@@ -65,8 +66,16 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     parts = [part for start, stop in record.stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
     first, stop, lead = np.array(parts, int).reshape(-1, 3).T
     still = record.rest & np.isin(first, [-(-start // mean) for start, _ in record.stretches])
+    known = still | (measured(machine, record, first * mean) & measured(machine, record, (first - lead) * mean))
+    if known.any():
+        first, stop, lead, still = first[known], stop[known], lead[known], still[known]
     before, start = (np.where(still[:, None], 0.0, moving(machine, record, at * mean)) for at in (first - lead, first))
     return Pieces(first, stop, lead, before, start, forgotten)
+
+
+def telling(machine: Machine) -> float:
+    """T of a piece that is long enough to tell something."""
+    return _memory(machine)[1]
 
 
 def _memory(machine: Machine) -> tuple[float, float]:
@@ -97,6 +106,15 @@ def _parts(begin: int, end: int, readings: int, rest: bool) -> list[tuple[int, i
     start = begin if rest else begin + lead
     edges = np.linspace(start, end, max(1, round((end - start) / readings)) + 1).astype(int)
     return [(a, b, 0 if a == begin else lead) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+
+def measured(machine: Machine, record: Record, samples: np.ndarray) -> np.ndarray:
+    """(S,) whether the joints were read just before and just after some samples: a start within a gap would be a guess."""
+    columns = [record.channels.index(name) for name in machine.channels[: len(machine.joints)] if name in record.channels]
+    read = np.concatenate([[0], np.cumsum(np.isfinite(record.readings[:, columns]).all(1))])
+    before = read[samples] - read[np.maximum(samples - NEAR, 0)]
+    after = read[np.minimum(samples + NEAR, len(record))] - read[samples]
+    return ((before >= ORDER) | (samples == 0)) & (after >= ORDER)
 
 
 def moving(machine: Machine, record: Record, samples: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from .fit import Fit, fit
 from .hypothesis import Hypothesis, judge, left_of
 from .model import BAND, Model, scales_of
 from .parameters import changes
+from .pieces import telling
 from .record import Record, noise_of
 from .roles import Roles, mask, roles_of
 from .weighed import Weighed
@@ -20,6 +21,7 @@ from .weighed import Weighed
 FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
 HELD = 1.2
+ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which another start is worth its time
 TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
 
 
@@ -56,6 +58,8 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     ways = (False, True) if record.drives_per_reading == 1 else (True,)
     tried = [_tuned(machine, replace(record, held=held), noise) for held in ways]
     weighed, found, roles = min(tried, key=lambda t: _surprise(t[0].model.record) * np.sum((_rms(t[0], t[1].reading) / noise) ** 2))
+    if weighed.model.pieces is None and np.max(_rms(weighed, found.reading) / weighed.sigma) > ROUGH:
+        found = _led_by_pieces(weighed, found, roles)
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
         substeps *= 2
@@ -94,6 +98,16 @@ def _tuned(machine: Machine, record: Record, noise: np.ndarray) -> tuple[Weighed
     found = fit(rough, free, np.zeros(len(free)))
     fair = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, found.reading)))
     return fair, fit(fair, free, found.x), roles
+
+
+def _led_by_pieces(weighed: Weighed, found: Fit, roles: Roles) -> Fit:
+    """The fit again from where one of short pieces ends, if that is better.
+
+    A run that hits its stops at another time than it did is lost from there on, and fits rest in minima that this makes; pieces do not.
+    """
+    parts = replace(weighed.model, piece=telling(weighed.model.machine))
+    begun = fit(replace(weighed, model=parts, coarse=parts, chosen=mask(parts, roles.fit)), found.free, np.zeros(len(found.x)))
+    return min(found, fit(weighed, found.free, begun.x), key=lambda f: f.cost)
 
 
 def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:

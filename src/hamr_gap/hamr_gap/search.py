@@ -108,10 +108,14 @@ def search(
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += narrowed(weighed, judged, state.best)
     state.tried += special_cases(weighed, judged, state.best)
+    # steps of sensors are seen by themselves, and belong to every answer; larger sets can hide them
     of_size = [state.best_of(size) for size in sorted({len(h.effects) for h in state.tried})]
-    if stairs := next((s for h in (*of_size, state.best) if (s := staircases(weighed, judged, h))), None):
-        report("steps of sensors")  # seen by themselves, they belong to every answer
-        state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
+    seen_steps = [(h, stairs) for h in of_size if (stairs := staircases(weighed, judged, h))]
+    if seen_steps:
+        report("steps of sensors")
+        left, stairs = min(((with_stairs(weighed, judged, h, s).left, s) for h, s in seen_steps), key=lambda found: found[0])
+        if left < state.best.left:
+            state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
     state.floor = noise_floor(weighed, state.best)
     return state
 
