@@ -18,7 +18,7 @@ from hamr_gap.legs import machine_of
 from hamr_gap.moves import apart, at_both, narrowed, special_cases, without
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
-from hamr_gap.record import Record
+from hamr_gap.record import Record, fresh
 from hamr_gap.sensors import Sensors
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
@@ -128,6 +128,18 @@ def test_correlated_readings_count_less(share):
     """Of a first-order process, (1 + a) / (1 - a) readings say what one independent reading would."""
     x = lfilter([1.0], [1.0, -share], np.random.default_rng(0).standard_normal((40_000, 2)), axis=0)
     assert correlation_time(x) == pytest.approx((1 + share) / (1 - share), rel=0.15)
+
+
+def test_what_was_sent_again_is_left_out():
+    rng = np.random.default_rng(0)
+    readings, drives = rng.normal(size=(1000, 2)), np.zeros((1000, 2))
+    again = np.flatnonzero(rng.random(999) < 0.05) + 1
+    for k in again:
+        readings[k] = readings[k - 1]
+    left = fresh(Record(drives, readings, STEP, ("a", "b"))).readings
+    assert np.flatnonzero(np.isnan(left).all(1)).tolist() == again.tolist()
+    coarse = Record(drives, np.round(rng.normal(size=(1000, 2))), STEP, ("a", "b"))
+    assert np.isfinite(fresh(coarse).readings).all()  # says the same twice by right
 
 
 @given(st.integers(1, 4), st.floats(0.0, 0.2))

@@ -118,8 +118,14 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
     return Verdict(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
         gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
-        detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None, notes=degenerate(answers),
+        detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None,
+        notes=(*_stale(prepared), *degenerate(answers)),
     )  # fmt: skip
+
+
+def _stale(prepared: Prepared) -> tuple[str, ...]:
+    stale = prepared.stale
+    return (f"{100 * stale:.2g} % of the samples repeat the one before in every sensor and were left out.",) if stale else ()
 
 
 def degenerate(answers: Sequence[Answer]) -> tuple[str, ...]:

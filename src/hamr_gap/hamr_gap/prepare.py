@@ -14,7 +14,7 @@ from .hypothesis import Hypothesis, judge, left_of
 from .model import BAND, Model, scales_of
 from .parameters import changes
 from .pieces import telling
-from .record import Record, noise_of
+from .record import Record, fresh, noise_of
 from .roles import Roles, mask, roles_of
 from .weighed import Weighed
 
@@ -32,7 +32,7 @@ class Prepared:
     Attributes:
         weighed: fitted readings. judged: readings to select on. roles.
         base: the re-tuned model. raw: mean square of the residual before it, in units of the noise, on the judged readings.
-        noise: (channels,) standard deviation of a sample's noise.
+        noise: (channels,) standard deviation of a sample's noise. stale: share of the samples that were old ones, sent again.
     """
 
     weighed: Weighed
@@ -41,6 +41,7 @@ class Prepared:
     base: Hypothesis
     raw: float
     noise: np.ndarray
+    stale: float
 
 
 def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None) -> Prepared:
@@ -53,6 +54,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
         BagError: constant drives or readings, too little data; one sentence.
     """
     _check(machine, record)
+    given, record = record, fresh(record)
     # between samples a drive was smooth, or held: what fits better was the case
     noise = noise_of(record.readings) if noise is None else noise
     ways = (False, True) if record.drives_per_reading == 1 else (True,)
@@ -76,7 +78,8 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
-    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise)
+    stale = float(np.mean(np.isnan(record.readings).all(1) & ~np.isnan(given.readings).all(1)))
+    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, stale)
 
 
 def _surprise(record: Record) -> float:

@@ -100,6 +100,17 @@ def joined(records: Sequence[Record]) -> Record:
     )  # fmt: skip
 
 
+def fresh(record: Record) -> Record:
+    """The record without samples that repeat the one before in every channel: whoever sent them had nothing new.
+
+    Sensors with coarse steps may say the same twice; where all are such, all stays.
+    """
+    if all(rounding(column) > 0.0 for column in record.readings.T):
+        return record
+    stale = np.append(False, (np.diff(record.readings, axis=0) == 0.0).all(1))
+    return replace(record, readings=np.where(stale[:, None], np.nan, record.readings))
+
+
 def resampled(u: np.ndarray, substeps: int, *, within: float) -> np.ndarray:
     """(n * substeps,) of samples (n,): cubic splines between their jumps, each piece held from its last sample to the jump.
 
