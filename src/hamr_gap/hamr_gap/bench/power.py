@@ -1,0 +1,114 @@
+"""How strong an effect must be to be named: a logistic curve over strength, seconds of data and noise, from cases that were solved.
+
+    hamr gap bench --set report --singles 52 --strength 1 --out out/gap_weak       and other strengths, in folders of their own
+    python -m hamr_gap.bench.power out/gap_bench out/gap_weak                      the map
+
+Families share the slopes and differ in where their curve lies; a weak prior holds what few cases leave open. So a family that was
+never missed has a bound rather than a figure.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import tyro
+from scipy.optimize import minimize
+from scipy.special import expit, logit
+
+from hamr_description.errors import ConfigError, HamrError
+
+from . import score
+
+WANTED = 0.9  # probability of the right name at the right place
+USUAL_S, USUAL_NOISE = 12.0, 3e-3  # of a run, and share of the stroke
+SPREAD = 1.5  # standard deviation of families' curves, in log odds, that is believed beforehand
+SLOPES = 3.0  # the same of slopes
+
+
+@dataclass(frozen=True)
+class Power:
+    """Log odds of the right name: own[family] + strength ln(x) + seconds ln(s / 12) + noise ln(n / 0.003).
+
+    Attributes:
+        families. values: (families + 4,) of families' differences from their mean, that mean, and the three slopes. covariance: of these.
+    """
+
+    families: tuple[str, ...]
+    values: np.ndarray
+    covariance: np.ndarray
+
+    def needed(self, family: str, seconds: float = USUAL_S, noise: float = USUAL_NOISE) -> tuple[float, float, float]:
+        """Strength in floors that is named with probability `WANTED`, and its 95 % interval."""
+        row = _row(self.families, family, 1.0, seconds, noise)
+        slope = len(self.families) + 1
+        at = row @ self.values
+        log = (logit(WANTED) - at) / self.values[slope]
+        gradient = -row / self.values[slope]
+        gradient[slope] -= log / self.values[slope]
+        spread = 1.96 * float(np.sqrt(gradient @ self.covariance @ gradient))
+        return float(np.exp(log)), float(np.exp(log - spread)), float(np.exp(log + spread))
+
+
+def power(cases: Sequence[tuple[str, float, float, float, bool]]) -> Power:
+    """The curve of (family, strength in floors, seconds, noise as a share of the stroke, whether named rightly)."""
+    families = tuple(sorted({family for family, *_ in cases}))
+    rows = np.array([_row(families, *case[:4]) for case in cases])
+    sign = np.array([1.0 if case[4] else -1.0 for case in cases])
+    center = np.array([0.0] * len(families) + [0.0, 1.0, 0.0, 0.0])
+    precision = np.array([SPREAD**-2.0] * len(families) + [SLOPES**-2.0] * 4)
+
+    def cost(x: np.ndarray) -> tuple[float, np.ndarray]:
+        odds = sign * (rows @ x)
+        off = x - center
+        return float(np.logaddexp(0.0, -odds).sum() + 0.5 * precision @ off**2), -rows.T @ (sign * expit(-odds)) + precision * off
+
+    found = minimize(cost, center, jac=True, method="BFGS").x
+    p = expit(rows @ found)
+    return Power(families, found, np.linalg.inv((rows * (p * (1.0 - p))[:, None]).T @ rows + np.diag(precision)))
+
+
+def _row(families: Sequence[str], family: str, strength: float, seconds: float, noise: float) -> np.ndarray:
+    slopes = [1.0, np.log(strength), np.log(seconds / USUAL_S), np.log(noise / USUAL_NOISE)]
+    return np.array([*(1.0 if family == other else 0.0 for other in families), *slopes])
+
+
+def outcomes(folders: Sequence[Path], verdicts: str = "verdicts") -> list[tuple[str, float, float, float, bool]]:
+    """What `power` needs, of the single effects of legs in folders of the benchmark."""
+    done = [score.scored(folder, int(file.stem), verdicts) for folder in folders for file in sorted((folder / verdicts).glob("*.json"))]
+    singles = [c for c in done if c.group == "single"]
+    return [
+        (c.answer["effects"][0]["family"], c.answer["reached"][0], c.answer["seconds"], c.answer["noise"], c.exact) for c in singles
+    ]
+
+
+def main(folders: tyro.conf.Positional[tuple[Path, ...]], verdicts: str = "verdicts") -> None:
+    """Prints the map: strengths in floors of 12 s and, where such cases are there, of other lengths.
+
+    Args:
+        folders: of the benchmark. verdicts: their folder of verdicts.
+    """
+    cases = outcomes(folders, verdicts)
+    if not cases:
+        raise ConfigError("No solved case with a single effect is in these folders; make some with: hamr gap bench --singles 52")
+    found = power(cases)
+    lengths = sorted({seconds for _, _, seconds, _, _ in cases})
+    say = sys.stdout.write
+    say("| effect | right | " + " | ".join(f"{s:g} s" for s in lengths) + " |\n" + "|---" * (len(lengths) + 2) + "|\n")
+    for family in found.families:
+        own = [right for name, *_, right in cases if name == family]
+        cells = ("{:.2g} ({:.2g}..{:.2g})".format(*found.needed(family, s)) for s in lengths)
+        say(f"| `{family}` | {sum(own)} of {len(own)} | " + " | ".join(cells) + " |\n")
+    for name, x, sd in zip(("strength", "seconds", "noise"), found.values[-3:], np.sqrt(np.diag(found.covariance))[-3:], strict=True):
+        say(f"\nlog odds per factor e in {name}: {x:.2f} +- {sd:.2f}")
+    say("\n")
+
+
+if __name__ == "__main__":
+    try:
+        tyro.cli(main)
+    except HamrError as error:
+        sys.exit(str(error))

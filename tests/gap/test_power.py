@@ -1,0 +1,40 @@
+"""The map of power, on outcomes drawn from a curve that is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import expit, logit
+
+from hamr_gap.bench.power import WANTED, power
+
+EASY, HARD, SLOPE = 2.0, -1.0, 2.2  # log odds at a strength of one floor; per factor e
+
+
+def drawn(count: int, seed: int) -> list[tuple[str, float, float, float, bool]]:
+    random = np.random.default_rng(seed)
+    cases = []
+    for _ in range(count):
+        family = ("easy", "hard")[random.integers(2)]
+        strength, seconds, noise = np.exp(random.uniform(np.log(0.2), np.log(8.0))), (3.0, 12.0)[random.integers(2)], 3e-3
+        odds = {"easy": EASY, "hard": HARD}[family] + SLOPE * np.log(strength) + 0.8 * np.log(seconds / 12.0)
+        cases.append((family, strength, seconds, noise, bool(random.random() < expit(odds))))
+    return cases
+
+
+def test_strengths_come_back_with_intervals_that_hold_them():
+    held = []
+    for seed in range(20):
+        found = power(drawn(400, seed))
+        for family, own in (("easy", EASY), ("hard", HARD)):
+            for seconds in (3.0, 12.0):
+                exact = np.exp((logit(WANTED) - own - 0.8 * np.log(seconds / 12.0)) / SLOPE)
+                x, low, high = found.needed(family, seconds)
+                assert x == pytest.approx(exact, rel=0.6)
+                held.append(low < exact < high)
+    assert np.mean(held) > 0.88
+
+
+def test_a_family_that_was_never_missed_needs_less_than_one_that_was():
+    found = power([("sure", 5.0, 12.0, 3e-3, True)] * 20 + [("unsure", 5.0, 12.0, 3e-3, k % 2 == 0) for k in range(20)])
+    assert found.needed("sure")[0] < 0.5 * found.needed("unsure")[0]
