@@ -12,7 +12,8 @@ from .prepare import Prepared
 from .screen import screen
 
 TABLE = "force_table"
-FITTED = 2  # tables fitted for good
+FITTED = 4  # tables fitted for good
+SHAPES = 4  # sets of widths of each that are simulated
 
 
 def fit_table(prepared: Prepared) -> Hypothesis:
@@ -22,5 +23,5 @@ def fit_table(prepared: Prepared) -> Hypothesis:
     tables = [Candidate(TABLE, form.name, (j,)) for form in library()[TABLE].forms for j in joints]
     amplitude = float(np.sqrt(np.mean(residual(weighed, base)[weighed.chosen] ** 2)))
     seen = screen(weighed, base, tables, amplitude=amplitude)
-    first = sorted(starts(weighed, base, seen, [((c,), s) for c in tables for s in seen.best(c)]), key=lambda s: s.cost)
+    first = sorted(starts(weighed, base, seen, [((c,), s) for c in tables for s in seen.best(c, SHAPES)]), key=lambda s: s.cost)
     return min((refine(weighed, prepared.judged, start) for start in first[:FITTED]), key=lambda h: h.left)

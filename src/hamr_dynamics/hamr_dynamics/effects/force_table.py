@@ -39,10 +39,10 @@ EFFECT = Effect(
     summary="A force, or a change of the drive, that is known as a table only.",
     forms=(
         Form("angle_rate", "force", angle_rate, (
-            *(Parameter(f"f{i}{j}", "F", 0.03, -10.0, 10.0, f"force at angle node {i}, rate node {j}")
+            *(Parameter(f"f{i}{j}", "F", 0.01, -10.0, 10.0, f"force at angle node {i}, rate node {j}")
               for i in range(NODES) for j in range(NODES)),
-            Parameter("angle", "Q", 1.2, 0.1, 10.0, "between angle nodes", shape=True, screen=(1.2,)),
-            Parameter("rate", "Q/T", 1.2, 0.1, 10.0, "between rate nodes", shape=True, screen=(1.2,)),
+            Parameter("angle", "Q", 1.2, 0.1, 10.0, "between angle nodes", shape=True, screen=(0.6, 1.2)),
+            Parameter("rate", "Q/T", 1.2, 0.1, 10.0, "between rate nodes", shape=True, screen=(0.4, 1.2)),
         )),
         Form("drive_curve", "drive", drive_curve, (
             *(Parameter(f"u{i}", "U", 0.03, -2.0, 2.0, f"added at drive node {i}") for i in range(7)),

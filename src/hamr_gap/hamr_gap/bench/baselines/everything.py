@@ -89,7 +89,7 @@ def fit_all(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Fit:
         hessian = derivatives.T @ derivatives + np.diag(precision)
         reach = np.concatenate([low - x, np.full(len(s), -np.inf)]), np.concatenate([high - x, np.full(len(s), np.inf)])
         steps = [_bounded(hessian + damping * np.diag(np.diag(hessian)), gradient, *reach)[:n] for damping in DAMPED]
-        trials = np.concatenate([x + SHARES[:, None] * step for step in steps])
+        trials = np.clip(np.concatenate([x + SHARES[:, None] * step for step in steps]), low, high)
         best, decrease = None, 0.0
         for trial, y in zip(trials, model.runs(free, trials, until), strict=True):
             with np.errstate(over="ignore", invalid="ignore"):  # a run that diverges costs more than any
