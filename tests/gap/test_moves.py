@@ -69,6 +69,14 @@ def test_a_name_that_holds_a_simpler_one_gives_way_to_it(rubbing):
     assert min(s.left for s in simple) < 1.05 * h.left
 
 
+def test_a_coupled_potential_gives_way_to_the_one_spring_that_it_is():
+    bent = prepare(machine_of("simple", "fl"), shaken("cubic_stiffness.cubic", {"cubic.1": 2.0}))
+    h = fitted(bent, Candidate("configuration_dependent_stiffness", "potential", (0, 1)))
+    best = min(special_cases(bent.weighed, bent.judged, h), key=lambda s: (s.left > 1.02 * h.left, s.parameters))
+    assert best.names == frozenset({("cubic_stiffness", (1,))})
+    assert best.left < 1.02 * h.left < 0.2 * bent.base.left
+
+
 def test_thresholds_found_at_each_joint_are_tried_together():
     """Drives that clip at 65 and 45 V: neither joint's limit alone explains it, nor one limit for both."""
     record = shaken("drive_saturation.hard", {"sharpness.0": 1 / 65.0, "sharpness.1": 1 / 45.0})

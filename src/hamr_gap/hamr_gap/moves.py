@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from hamr_dynamics.effects.law import Form
 from hamr_dynamics.effects.library import library
 
 from .fit import Fit
@@ -117,14 +118,20 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
     found = []
     for i, c in enumerate(h.effects):
-        inner = [Candidate(name, form.name, c.joints) for name in library()[c.effect].contains for form in library()[name].forms]
-        for simple in (s for s in inner if s.law.acts == c.law.acts):
+        for simple in (s for name in library()[c.effect].contains for form in library()[name].forms for s in _within(c, name, form)):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
             x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
             found.append(refine(weighed, judged, Start(effects, free, x, np.inf)))
     return found
+
+
+def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
+    """A form of a simpler name at the joints of another effect; of one that couples two joints, at each by itself as well."""
+    if form.acts == c.law.acts:
+        return [Candidate(name, form.name, c.joints)]
+    return [Candidate(name, form.name, j) for j in (*((j,) for j in c.joints), c.joints)] if c.law.acts == "pair" else []
 
 
 def _less(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effects: tuple[Candidate, ...]) -> Hypothesis:
