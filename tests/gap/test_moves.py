@@ -10,12 +10,13 @@ from scipy.signal import lfilter
 
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
+from hamr_gap import threads
 from hamr_gap.colour import correlation_time
 from hamr_gap.fit import fit
 from hamr_gap.flagship_find import recorded
-from hamr_gap.hypothesis import Start, refine
+from hamr_gap.hypothesis import Start, refine, refined
 from hamr_gap.legs import machine_of
-from hamr_gap.moves import apart, at_both, narrowed, special_cases, without
+from hamr_gap.moves import apart, at_both, look, narrowed, singles, special_cases, without
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.record import Record, fresh
@@ -94,6 +95,23 @@ def test_thresholds_found_at_each_joint_are_tried_together():
     limits = {f.row: unit / x for f, x in zip(both.fit.free, both.fit.x, strict=True)}
     assert limits["drive_saturation.hard.sharpness.0"] == pytest.approx(65.0, rel=0.02)
     assert limits["drive_saturation.hard.sharpness.1"] == pytest.approx(45.0, rel=0.02)
+
+
+def test_results_do_not_depend_on_the_number_of_threads(rubbing, monkeypatch):
+    """To the bit, in their order; and the first error comes through."""
+    begun = [FRICTION, Candidate("quadratic_damping", "square", (1,)), Candidate("drive_lag", "first_order", (1,))]
+    found = []
+    for count in (1, 3):
+        monkeypatch.setattr(threads, "_count", count)
+        seen = look(rubbing.weighed, rubbing.base.fit, begun)
+        alone = singles(rubbing.weighed, rubbing.base.fit, seen, begun)
+        found.append((seen.fitted[0], [h.fit.x for h in refined(rubbing.weighed, rubbing.judged, alone)]))
+    (gram, one), (other, three) = found
+    np.testing.assert_array_equal(gram, other)
+    for a, b in zip(one, three, strict=True):
+        np.testing.assert_array_equal(a, b)
+    with pytest.raises(ZeroDivisionError):
+        threads.at_once(lambda x: 1 // x, [1, 0, 2])
 
 
 def test_no_name_stands_beside_its_own_special_case():

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from .fit import Fit, fit
 from .parameters import Candidate, Free, effect_parameters
 from .screen import BATCH, Screen, Solution
+from .threads import at_once
 from .weighed import Weighed
 
 #: Shares of a linear solution that are simulated: of its re-tune, which may lead astray where the base is far off, and of its effects.
@@ -96,16 +98,18 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
     sensors = weighed.sensor_columns(weighed.moved(base.run, base.sensors.shift))
     doubt = weighed.doubt(target - weighed.vector(base.reading))
     solver = np.linalg.inv(sensors.T @ sensors + np.diag(doubt * weighed.sensor_precision)) @ sensors.T
-    found: dict[int, Start] = {}
-    for at in range(0, len(prepared), BATCH):
-        part = prepared[at : at + BATCH]
+
+    def costs_of(part: Sequence[tuple]) -> list[float]:
         runs = coarse + model.run_rows(np.concatenate([model.rows(free, x) for _, free, x in part]), until)
         left = target - weighed.vector(base.sensors.read(runs, model.reading_step, model.starts))
-        costs = 0.5 * np.sum(left * (left - (left @ solver.T) @ sensors.T), axis=1)  # sensors follow, as far as one believes them to
-        for k, ((effects, free, x), cost) in enumerate(zip(part, costs.tolist(), strict=True)):
-            which = (at + k) // len(STEPS)
-            if np.isfinite(cost) and (which not in found or cost < found[which].cost):
-                found[which] = Start(effects, free, x, cost)
+        return (0.5 * np.sum(left * (left - (left @ solver.T) @ sensors.T), axis=1)).tolist()  # sensors follow, as far as one believes
+
+    found: dict[int, Start] = {}
+    costs = chain.from_iterable(at_once(costs_of, (prepared[at : at + BATCH] for at in range(0, len(prepared), BATCH))))
+    for k, ((effects, free, x), cost) in enumerate(zip(prepared, costs, strict=True)):
+        which = k // len(STEPS)
+        if np.isfinite(cost) and (which not in found or cost < found[which].cost):
+            found[which] = Start(effects, free, x, cost)
     return list(found.values())
 
 
@@ -130,3 +134,8 @@ def _at(
 def refine(weighed: Weighed, judged: np.ndarray, start: Start) -> Hypothesis:
     """Fits a set of effects for good."""
     return judge(weighed, judged, start.effects, fit(weighed, start.free, start.x))
+
+
+def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start]) -> list[Hypothesis]:
+    """Fits several sets for good."""
+    return at_once(lambda start: refine(weighed, judged, start), found)

@@ -12,7 +12,7 @@ from hamr_dynamics.effects.law import Form
 from hamr_dynamics.effects.library import library
 
 from .fit import Fit
-from .hypothesis import Hypothesis, Start, refine, residual, starts
+from .hypothesis import Hypothesis, Start, refine, refined, residual, starts
 from .parameters import Candidate, effect_parameters
 from .screen import Screen, screen
 from .weighed import Weighed
@@ -61,7 +61,7 @@ def pairs_of(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alo
     best = {c: seen.best(c)[0] for c in kept}
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return [refine(weighed, judged, start) for start in _promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS))]
+    return refined(weighed, judged, _promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)))
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
@@ -73,7 +73,7 @@ def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything:
     """One more effect beside others, in a linear picture about them; the first name in all its forms."""
     wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
     found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
-    fitted = [replace(refine(weighed, judged, s), effects=(*others.effects, *s.effects)) for s in _promising(found)]
+    fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in refined(weighed, judged, _promising(found))]
     return [*fitted, *at_both(weighed, judged, fitted)]
 
 
@@ -99,15 +99,16 @@ def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypoth
 
 def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
     """A hypothesis fitted again without one of its effects."""
-    return _less(weighed, judged, h, tuple(c for c in h.effects if c != effect))
+    return refine(weighed, judged, _less(h, tuple(c for c in h.effects if c != effect)))
 
 
 def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
     """A hypothesis fitted again without one of its effects, or with it at one joint instead of two; and on, while that does no harm."""
-    found = []
+    wanted = []
     for i, c in enumerate(h.effects):
         fewer = [(replace(c, joints=(joint,)),) for joint in c.places if len(c.places) > 1] + [()] * (len(h.effects) > 1)
-        found += [_less(weighed, judged, h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for some in fewer]
+        wanted += [_less(h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for some in fewer]
+    found = refined(weighed, judged, wanted)
     best = min(found, key=lambda n: n.left, default=None)
     return [*found, *narrowed(weighed, judged, best)] if best and best.left < HARMLESS * h.left else found
 
@@ -116,15 +117,15 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
     """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that has it as a special case."""
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
-    found = []
+    wanted = []
     for i, c in enumerate(h.effects):
         for simple in (s for name in library()[c.effect].contains for form in library()[name].forms for s in _within(c, name, form)):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
             x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
-            found.append(refine(weighed, judged, Start(effects, free, x, np.inf)))
-    return found
+            wanted.append(Start(effects, free, x, np.inf))
+    return refined(weighed, judged, wanted)
 
 
 def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
@@ -134,11 +135,11 @@ def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
     return [Candidate(name, form.name, j) for j in (*((j,) for j in c.joints), c.joints)] if c.law.acts == "pair" else []
 
 
-def _less(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effects: tuple[Candidate, ...]) -> Hypothesis:
-    """A hypothesis fitted again from where it is, with no more than these effects."""
+def _less(h: Hypothesis, effects: tuple[Candidate, ...]) -> Start:
+    """Where a hypothesis is, with no more than these effects."""
     rows = {row for c in effects for shape in (False, True) for row, _ in c.rows(shape=shape)}
     kept = [i for i, f in enumerate(h.fit.free) if f.row.startswith("change.") or f.row in rows]
-    return refine(weighed, judged, Start(effects, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf))
+    return Start(effects, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf)
 
 
 def _promising(found: Sequence[Start]) -> list[Start]:

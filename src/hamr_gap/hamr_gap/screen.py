@@ -18,6 +18,7 @@ from hamr_dynamics.effects.law import Parameter
 from .fit import Fit
 from .linear import jacobian
 from .parameters import Candidate, lanes
+from .threads import at_once
 from .weighed import Weighed
 
 BATCH = 48  # lanes at a time
@@ -120,15 +121,15 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
         return scales.of(dimension[row])
 
     def respond(part: Sequence[Column]) -> np.ndarray:
-        y = model.run_rows(rows_of(part), until) - plain
-        return (base.sensors.read(y, model.reading_step, model.starts) - base.sensors.bias) / weighed.sigma
+        with np.errstate(over="ignore"):  # a run that diverges is not finite, and left out
+            y = model.run_rows(rows_of(part), until) - plain
+            return ((base.sensors.read(y, model.reading_step, model.starts) - base.sensors.bias) / weighed.sigma).astype(np.float32)
 
     responses = np.empty((len(columns), *plain.shape), np.float32)
     for round_ in (0, 1):  # at the typical size, then at the size that matters
-        for at in range(0, len(columns), BATCH):
-            part = columns[at : at + BATCH]
-            with np.errstate(over="ignore"):  # a run that diverges is not finite, and left out
-                responses[at : at + len(part)] = respond(part)
+        parts = [columns[at : at + BATCH] for at in range(0, len(columns), BATCH)]
+        for k, found in enumerate(at_once(respond, parts)):
+            responses[k * BATCH : k * BATCH + len(found)] = found
         if round_ == 0:
             responses[~np.isfinite(responses).all((1, 2))] = 1e9  # far too large
             rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))

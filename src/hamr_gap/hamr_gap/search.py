@@ -9,7 +9,7 @@ import numpy as np
 
 from .candidates import candidates
 from .fit import fit
-from .hypothesis import Hypothesis, refine, residual
+from .hypothesis import Hypothesis, refined, residual
 from .moves import at_both, beside, in_forms, look, narrowed, pairs_of, singles, special_cases, without
 from .parameters import Candidate
 from .record import noise_of
@@ -84,7 +84,7 @@ def search(
     alone = singles(weighed, base.fit, seen, everything)
     given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
     alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
-    state.tried += [refine(weighed, judged, start) for start in in_forms(alone, SINGLES, ALL_FORMS)]
+    state.tried += refined(weighed, judged, in_forms(alone, SINGLES, ALL_FORMS))
     state.tried += at_both(weighed, judged, state.tried)
     late = state.best.fit.sensors.shift
     if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:

@@ -6,7 +6,7 @@ import numpy as np
 
 from hamr_dynamics.effects.library import library
 
-from .hypothesis import Hypothesis, refine, residual, starts
+from .hypothesis import Hypothesis, refined, residual, starts
 from .parameters import Candidate
 from .prepare import Prepared
 from .screen import screen
@@ -24,4 +24,4 @@ def fit_table(prepared: Prepared) -> Hypothesis:
     amplitude = float(np.sqrt(np.mean(residual(weighed, base)[weighed.chosen] ** 2)))
     seen = screen(weighed, base, tables, amplitude=amplitude)
     first = sorted(starts(weighed, base, seen, [((c,), s) for c in tables for s in seen.best(c, SHAPES)]), key=lambda s: s.cost)
-    return min((refine(weighed, prepared.judged, start) for start in first[:FITTED]), key=lambda h: h.left)
+    return min(refined(weighed, prepared.judged, first[:FITTED]), key=lambda h: h.left)

@@ -17,6 +17,7 @@ import tyro
 from hamr_description.errors import ConfigError, HamrError
 
 from .. import analyse, fit, moves, prepare, roles, search, weigh, weighed
+from ..threads import use
 from . import score
 from .cases import path
 from .run import blind
@@ -77,6 +78,7 @@ def solve_without(step: str, answer: Path, *cases: Path) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["solve"]:
+        use(1)
         solve_without(sys.argv[2], *map(Path, sys.argv[3:]))
     else:
         try:

@@ -20,6 +20,7 @@ from ..analyse import analyse
 from ..found import decides
 from ..legs import machine_of
 from ..record import joined
+from ..threads import use
 from ..walking.analyse import analyse as analyse_walk
 from ..walking.bags import read
 from ..weigh import Weight
@@ -80,4 +81,5 @@ def _weights(weights: Sequence[Weight], joints: Callable) -> list[dict]:
 
 
 if __name__ == "__main__":
+    use(1)  # as many cases as cores are solved beside each other
     solve(*map(Path, sys.argv[1:]))
