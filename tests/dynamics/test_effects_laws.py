@@ -111,6 +111,25 @@ def test_a_relaxing_spring_has_the_modulus_of_a_maxwell_element():
         assert abs(found - exact) < 0.02 * abs(exact)
 
 
+def test_two_relaxing_springs_have_the_modulus_of_a_prony_series():
+    for omega in (0.05, 0.3, 2.0):
+        found = modulus("viscoelasticity", "two", omega, fast=0.2, slow=0.1, short=1.0, long=20.0)
+        exact = 0.2 * omega * 1j / (1 + omega * 1j) + 0.1 * 20.0 * omega * 1j / (1 + 20.0 * omega * 1j)
+        assert abs(found - exact) < 0.02 * abs(exact)
+
+
+def test_creep_in_decades_is_a_sum_of_elements():
+    """A step's answer, against exponentials; with equal sizes it is the logarithmic one."""
+    free, equal = find("piezo_creep", "decades"), find("piezo_creep", "logarithmic")
+    sizes, given = (0.1, 0.05, 0.0, 0.2), {"time": 0.5}
+    z, same, u = (0.0,) * 4, (0.0,) * 4, Input(1.0, (1.0,), 0, 0.0, 0.005)
+    for _ in range(2000):
+        y, z = free.law(u, given | {f"size{k + 1}": x for k, x in enumerate(sizes)}, z)
+        one, same = equal.law(u, given | {"size": 0.1}, same)
+    assert y == pytest.approx(1.0 + sum(x * (1.0 - exp(-10.0 / (0.5 * 10.0**k))) for k, x in enumerate(sizes)), rel=2e-3)
+    assert one == pytest.approx(1.0 + 0.1 * sum(1.0 - exp(-10.0 / (0.5 * 10.0**k)) for k in range(4)), rel=2e-3)
+
+
 @pytest.mark.parametrize(("form", "given"), [("bouc_wen", {"size": 0.3, "width": 0.5}), ("plays", {"weight2": 0.3, "width": 1.0})])
 def test_the_loop_of_hysteresis_does_not_depend_on_the_rate(form, given):
     law = find("piezo_hysteresis", form)

@@ -15,12 +15,21 @@ def kelvin_voigt(x: Input, p, z):
 
 def logarithmic(x: Input, p, z):
     """u + size * (four such elements, a decade apart): log-time creep over four decades."""
+    return _laddered(x, [p["size"]] * len(DECADES), p["time"], z)
+
+
+def decades(x: Input, p, z):
+    """The same with a size for each decade: creep by any power of time."""
+    return _laddered(x, [p[f"size{k + 1}"] for k in range(len(DECADES))], p["time"], z)
+
+
+def _laddered(x: Input, sizes, shortest, z):
     y, new = x.u, []
-    for decade, slow in zip(DECADES, z, strict=True):
-        time = decade * p["time"]
+    for decade, size, slow in zip(DECADES, sizes, z, strict=True):
+        time = decade * shortest
         moved = (slow * time + x.u * x.step) / (time + x.step)
         new.append(moved)
-        y = y + p["size"] * moved
+        y = y + size * moved
     return y, tuple(new)
 
 
@@ -36,6 +45,10 @@ EFFECT = Effect(
         Form("logarithmic", "drive", logarithmic, (
             Parameter("size", "1", 0.02, -0.5, 1.0, "share of the voltage per decade"),
             Parameter("time", "T", 10.0, 1.0, 100.0, "shortest creep time", shape=True, screen=(2.0, 10.0)),
+        ), states=4, order=7),
+        Form("decades", "drive", decades, (
+            *(Parameter(f"size{k + 1}", "1", 0.02, -0.5, 1.0, f"share of the voltage in decade {k + 1}") for k in range(len(DECADES))),
+            Parameter("time", "T", 10.0, 1.0, 100.0, "shortest creep time", shape=True, screen=(5.0,)),
         ), states=4, order=7),
     ),
     experiment="steps held for 1 to 10 s",
