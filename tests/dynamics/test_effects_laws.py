@@ -91,7 +91,7 @@ def modulus(effect: str, form: str, omega: float, **given: float) -> complex:
     """Complex stiffness of a law whose joint moves as sin(omega t)."""
     law = find(effect, form)
     p, z, h = parameters(law, **given), (0.0,) * law.states, 2 * pi / omega / 200
-    total, turns = 0.0j, max(3, round(20 * given["time"] * omega / (2 * pi)))
+    total, turns = 0.0j, max(3, round(20 * given.get("long", given.get("time")) * omega / (2 * pi)))
     for k in range(200 * turns):
         phase = omega * k * h
         push, z = law.law(Joint(sin(phase), omega * cos(phase), 0.0, 1.0, 1.0, 0.0, h), p, z)
