@@ -14,8 +14,8 @@ from hamr_description.errors import BagError
 from hamr_gap.roles import DEAD_S, DEAD_SHARE, SHARES, roles_of
 
 
-def roles(readings: int, step: float = 1.0) -> dict[str, np.ndarray]:
-    model = SimpleNamespace(target=np.zeros((readings, 2)), reading_step=step, pieces=None, record=SimpleNamespace(rest=True))
+def roles(readings: int, *, rest: bool = False) -> dict[str, np.ndarray]:
+    model = SimpleNamespace(target=np.zeros((readings, 2)), reading_step=1.0, pieces=None, record=SimpleNamespace(rest=rest))
     return vars_of(roles_of(model, 1e-3))
 
 
@@ -23,16 +23,17 @@ def vars_of(found) -> dict[str, np.ndarray]:
     return {name: getattr(found, name) for name in SHARES}
 
 
-@given(st.integers(400, 70_000))
-def test_roles_keep_their_distance(readings):
-    found = roles(readings)
+@given(st.integers(400, 70_000), st.booleans())
+def test_roles_keep_their_distance(readings, rest):
+    found = roles(readings, rest=rest)
     apart = int(min(DEAD_S * 1e3, DEAD_SHARE * readings))
     role = np.zeros(readings, int)
     for k, rows in enumerate(found.values()):
         role[rows] = k + 1
     assert all(not (a & b).any() for a, b in combinations(found.values(), 2))
     served = np.flatnonzero(role)
-    assert served[0] >= apart
+    assert served[0] == 0 if rest else served[0] >= apart
+    assert served[-1] >= readings - 2
     for a, b in zip(served[:-1], served[1:], strict=True):
         assert role[a] == role[b] or b - a > apart - 2
     shares = np.array([rows.sum() for rows in found.values()]) / (role > 0).sum()

@@ -34,24 +34,22 @@ class Roles:
 
 
 def roles_of(model: Model, seconds_per_t: float) -> Roles:
-    """Turns of the four roles, with dead time between them; the first readings serve none.
-
-    However surely a machine began at rest, sensors that are late show its first move at another time than drives that are.
+    """Turns of the four roles, with dead time between them; the first readings, in which an unknown start is forgotten, serve none.
 
     Raises:
         BagError: too short to be divided.
     """
-    n = len(model.target)
-    dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
+    n, dead = len(model.target), dead_time(model, seconds_per_t)
     if model.pieces is not None and len(model.pieces) >= len(TURNS):
         return _by_piece(model.pieces, n, dead)
     cycles = max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
     turns = CYCLE * cycles
-    useful = n - dead * sum(a != b for a, b in pairwise(turns))
+    begin = 0 if model.record.rest else dead
+    useful = n - begin - dead * sum(a != b for a, b in pairwise(turns))
     if useful < FEWEST:
         raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
     roles = {name: np.zeros(n, bool) for name in SHARES}
-    at, before = float(dead), turns[0]
+    at, before = float(begin), turns[0]
     for name in turns:
         at += dead * (name != before)
         end = at + SHARES[name] * useful / turns.count(name)
@@ -61,6 +59,11 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
         for part in roles.values():
             part[start : start + dead] = False
     return Roles(**roles)
+
+
+def dead_time(model: Model, seconds_per_t: float) -> int:
+    """Readings in which a start, or what served another role, is forgotten."""
+    return int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * len(model.target)))
 
 
 def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:
