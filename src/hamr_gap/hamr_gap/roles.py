@@ -44,8 +44,9 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
         return _by_piece(model.pieces, n, dead)
     cycles = max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
     turns = CYCLE * cycles
-    begin = 0 if model.record.rest else dead
-    useful = n - begin - dead * sum(a != b for a, b in pairwise(turns))
+    # from rest it tells a preload from a sensor's bias, which a leg needs, whose gains are free as well
+    begin = 0 if model.record.rest and len(model.machine.joints) > 1 else dead
+    useful = n - dead * sum(a != b for a, b in pairwise(turns))  # the last turn gives what the start takes
     if useful < FEWEST:
         raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
     roles = {name: np.zeros(n, bool) for name in SHARES}
