@@ -40,7 +40,7 @@ def test_roles_keep_their_distance(readings, rest):
     for a, b in zip(served[:-1], served[1:], strict=True):
         assert role[a] == role[b] or b - a > apart - 2
     shares = np.array([rows.sum() for rows in found.values()]) / (role > 0).sum()
-    assert shares == pytest.approx(list(SHARES.values()), abs=0.03)
+    assert shares == pytest.approx(list(SHARES.values()), abs=0.03 if rest else 0.06)  # the last turn gives what the start takes
 
 
 @pytest.mark.parametrize("seconds", [6, 12, 20, 60])
