@@ -101,6 +101,7 @@ class Observer:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self.heard: dict[str, list] = defaultdict(list)
+        self._newest: dict[str, list] = {}
         for topic in topics:
             self.node.create_subscription(qos.message_class(topic), topic, self.heard[topic].append, qos.sent(topic))
 
@@ -114,6 +115,15 @@ class Observer:
         """The next message of a topic that fits; what came before is forgotten."""
         self.heard[topic].clear()
         return self.until(lambda: next((m for m in self.heard[topic] if fits(m)), None), f"a message on {topic}")
+
+    def newest(self, topic: str):
+        """A message that has waited behind no other, as control nodes hear it: whoever acts on an older one is stale on a busy machine."""
+        if topic not in self._newest:
+            self._newest[topic] = []
+            self.node.create_subscription(qos.message_class(topic), topic, self._newest[topic].append, qos.heard(topic))
+        self._newest[topic].clear()
+        self.until(lambda: self._newest[topic], f"a message on {topic}")
+        return self._newest[topic][-1]
 
     def status(self, node: str, fits: Callable[[object], bool] = lambda status: True):
         """The next status of a node in /diagnostics that fits."""

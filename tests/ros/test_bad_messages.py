@@ -39,7 +39,7 @@ def test_bad_targets(graph, observe):
     observer.next(Topic.JOINT_STATES, lambda state: state.header.stamp.sec >= 1)
 
     def send(names, position, age=0.0) -> None:
-        stamp = observer.next(Topic.JOINT_STATES).header.stamp
+        stamp = observer.newest(Topic.JOINT_STATES).header.stamp
         ns = stamp.sec * 10**9 + stamp.nanosec - round(age * 1e9)
         message = JointState(name=list(names), position=list(position))
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, 10**9)
