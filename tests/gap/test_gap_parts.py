@@ -222,7 +222,7 @@ def test_an_experiment_is_proposed_that_tells_rivals_apart():
     prepared = prepare(machine, record)
     rivals = [Candidate(name, library()[name].forms[0].name, (0,)) for name in ("coulomb_friction", "quadratic_damping")]
     seen = screen(
-        prepared.weighed, prepared.base.fit, rivals, amplitude=float(np.sqrt(np.mean(residual(prepared.weighed, prepared.base.fit) ** 2)))
+        prepared.weighed, prepared.base.fit, rivals, amplitude=float(np.sqrt(np.nanmean(residual(prepared.weighed, prepared.base.fit) ** 2)))
     )
     fits = [refine(prepared.weighed, prepared.judged, s)
             for c in rivals for s in starts(prepared.weighed, prepared.base.fit, seen, [((c,), seen.best(c)[0])])]  # fmt: skip

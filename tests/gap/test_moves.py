@@ -123,23 +123,26 @@ def test_no_name_stands_beside_its_own_special_case():
 
 
 def test_a_shift_of_the_clocks_in_the_model_is_that_of_its_sensors(rubbing):
-    late = 0.3  # ms
+    late = 0.3  # ms, no whole number of steps
     moved = rubbing.weighed.on_time(rubbing.weighed.model.delay + late)
     free, x = rubbing.base.fit.free, rubbing.base.fit.x
-    before = Sensors(np.zeros(4), np.zeros(4), late).read(rubbing.weighed.model.runs(free, x)[0], rubbing.weighed.model.reading_step)
-    after = moved.model.runs(free, x)[0]
-    assert np.abs(after - before)[1000:-20].max() < 0.1 * rubbing.noise.min()  # they begin at other times
+    step = rubbing.weighed.model.reading_step
+    before = Sensors(np.zeros(4), np.zeros(4), late).read(rubbing.weighed.model.runs(free, x)[0], step)
+    rest = late - (moved.model.delay - rubbing.weighed.model.delay)
+    after = Sensors(np.zeros(4), np.zeros(4), rest).read(moved.model.runs(free, x)[0], step)
+    assert np.abs(after - before)[5:-5].max() < 0.1 * rubbing.noise.min()
 
 
 def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing, monkeypatch):
-    """Dry friction that changes its sign at once looks rough from near by: a fit from there ends in 0.7 of the cost."""
+    """Dry friction that changes its sign at once looks rough from near by: fits from there end higher, some by a fifth."""
     effects = (Candidate("coulomb_friction", "sign", (0,)),)
     free = (*rubbing.base.fit.free, *effect_parameters(effects, rubbing.weighed.model.scales))
-    x = np.array([*rubbing.base.fit.x, 0.05, 1e-3])
-    coarse = fit(rubbing.weighed, free, x)
+    begun = [np.array([*rubbing.base.fit.x, level, 1e-3]) for level in (0.01, 0.03, 0.05, 0.1)]
+    coarse = np.array([fit(rubbing.weighed, free, x).cost for x in begun])
     monkeypatch.setattr("hamr_gap.fit.FORESEEN", np.inf)
-    fine = fit(rubbing.weighed, free, x)
-    assert coarse.cost < 0.8 * fine.cost
+    fine = np.array([fit(rubbing.weighed, free, x).cost for x in begun])
+    assert (coarse <= fine).all()
+    assert coarse.sum() < 0.9 * fine.sum()
 
 
 def test_no_sensor_changes_its_scale_to_mend_a_wrong_model():

@@ -94,7 +94,7 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
             prepared.append((tuple(effects), free, _at(free, base, seen, solution, *shares)))
     model, until = weighed.coarse or weighed.model, weighed.until
     coarse = base.run[:until] - model.runs(base.free, base.x, until)[0]  # what coarser steps do is known
-    target = weighed.vector(model.target)
+    target = weighed.vector(weighed.model.target)
     sensors = weighed.sensor_columns(weighed.moved(base.run, base.sensors.shift))
     doubt = weighed.doubt(target - weighed.vector(base.reading))
     solver = np.linalg.inv(sensors.T @ sensors + np.diag(doubt * weighed.sensor_precision)) @ sensors.T

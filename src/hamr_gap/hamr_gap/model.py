@@ -15,7 +15,7 @@ from hamr_dynamics.machine import Machine
 from .parameters import Free, lanes
 from .pieces import Pieces, pieces_of
 from .record import Record
-from .sensors import late
+from .sensors import beyond, late
 
 BAND = 1000.0  # readings a second that are kept: what HAMR's legs do is slower
 
@@ -27,8 +27,9 @@ class Model:
     Attributes:
         substeps: steps per sample. mean: samples averaged into one reading.
         scales: what is usual on this machine. piece: T of a piece, 0 for what suits the machine.
-        delay: T by which readings are late, which is simulated as drives that are: in open loop the same, and exact for any sensor.
-        target: (n, channels) averaged readings. own: indices of the record's channels among the machine's.
+        delay: T by which readings are late, rounded to whole steps: what is read is the machine's state so much before.
+        target: (n, channels) averaged readings, NaN where none is, or where a late one shows what was before the record.
+        own: indices of the record's channels among the machine's.
         pieces: parts that start anew, None for one free run from rest.
     """
 
@@ -46,9 +47,12 @@ class Model:
     neutral: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
+        self._late = round(self.delay * self.substeps / self.record.step)
+        self.delay = self._late * self.record.step / self.substeps
         self.target = self.record.averaged(self.mean)
         self.own = [self.machine.channels.index(name) for name in self.record.channels]
-        self.drives = delayed(self.record.fine(self.substeps), self.delay * self.substeps / self.record.step)
+        fine = self.record.fine(self.substeps)
+        self.drives = np.concatenate([fine, np.repeat(fine[-1:], max(-self._late, 0), axis=0)])  # clocks ahead see beyond the end
         self.neutral = self.machine.neutral(self.scales)
         self.pieces = pieces_of(self.machine, self.record, self.mean, self.piece)
         if self.pieces is not None:
@@ -57,6 +61,13 @@ class Model:
             for start, stop in zip(self.pieces.first, self.pieces.stop, strict=True):
                 served[start + 1 : stop - 1] = True
             self.target = np.where(served[:, None], self.target, np.nan)
+        else:
+            self.target[: self._unseen] = np.nan
+
+    @property
+    def _unseen(self) -> int:
+        """Readings at the beginning that show what was before the record."""
+        return max(0, -(-self._late // (self.mean * self.substeps)))
 
     @property
     def reading_step(self) -> float:
@@ -84,19 +95,27 @@ class Model:
     def run_rows(self, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, rows) lane parameters; the first `samples` readings if said."""
         samples, step = samples or len(self.target), self.record.step / self.substeps
-        if self.pieces is not None:
-            return self._piecewise(self.pieces, rows, samples, step)
+        run = self._free(rows, samples, step) if self.pieces is None else self._piecewise(self.pieces, rows, samples, step)
+        return run[:, :, self.own]
+
+    def _free(self, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
+        """As `run_rows`, from rest, all channels; straight on back to readings that show what was before."""
+        begun = self._unseen * self.mean * self.substeps - self._late
+        first, start = np.zeros(len(rows), int), np.zeros((len(rows), len(self.machine.state_rows)))
+        if begun:
+            start = machine_kernel.final_states(self.machine, self.drives, rows, step=step, steps=begun, first=first, start=start)
         y = machine_kernel.simulate(
-            self.machine, self.drives, rows, step=step, substeps=self.substeps, mean=self.mean, samples=samples
+            self.machine, self.drives, rows, step=step, substeps=self.substeps, mean=self.mean,
+            first=first + begun, start=start, samples=samples - self._unseen,
         )  # fmt: skip
-        return y[:, :, self.own]
+        return np.concatenate([beyond(y, self._unseen), y], axis=1)
 
     def _piecewise(self, pieces: Pieces, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
-        """As `run_rows`, every piece in a lane of its own; zero where there is none."""
+        """As `run_rows`, all channels, every piece in a lane of its own; zero where there is none."""
         chosen = np.flatnonzero(pieces.first < samples)
         first, stop = pieces.first[chosen], np.minimum(pieces.stop[chosen], samples)
         longest, steps = int((stop - first).max()), self.mean * self.substeps
-        drives = np.concatenate([self.drives, np.repeat(self.drives[-1:], longest * steps, axis=0)])  # short pieces run on
+        drives = self._reaching(longest * steps)
         param = np.repeat(rows, len(chosen), axis=0)
         state = self._started(pieces, chosen, drives, param, step)
         y = machine_kernel.simulate(
@@ -107,7 +126,12 @@ class Model:
         whole = np.zeros((len(rows), samples, y.shape[-1]))
         for k, (a, b) in enumerate(zip(first, stop, strict=True)):
             whole[:, a:b] = y[:, k, : b - a]
-        return whole[:, :, self.own]
+        return whole
+
+    def _reaching(self, steps: int) -> np.ndarray:
+        """(n + steps, joints) drives of a machine that is read late, and on beyond the end, as short pieces run."""
+        before, after = np.repeat(self.drives[:1], max(self._late, 0), axis=0), np.repeat(self.drives[-1:], steps, axis=0)
+        return np.concatenate([before, self.drives[max(-self._late, 0) :], after])
 
     def _started(self, pieces: Pieces, chosen: np.ndarray, drives: np.ndarray, param: np.ndarray, step: float) -> np.ndarray:
         """(K * S, states) at the starts of the chosen pieces: coordinates and rates as measured, the rest as a run-in leaves it."""
@@ -125,12 +149,6 @@ class Model:
             )  # fmt: skip
         state[:, motion] = np.tile(pieces.start[chosen], (sets, 1))
         return state
-
-
-def delayed(drives: np.ndarray, steps: float) -> np.ndarray:
-    """(n, joints) drives, each held for a step, by any number of steps later or earlier; before the first and after the last they rest."""
-    at = np.arange(len(drives)) - steps
-    return np.stack([np.interp(at, np.arange(len(drives)), u) for u in drives.T], 1) if steps else drives
 
 
 def scales_of(machine: Machine, record: Record) -> Scales:

@@ -34,19 +34,19 @@ class Roles:
 
 
 def roles_of(model: Model, seconds_per_t: float) -> Roles:
-    """Turns of the four roles, with dead time between them; the first readings, in which an unknown start is forgotten, serve none.
+    """Turns of the four roles, with dead time between them; before the first too, unless the record begins at rest: an unknown start is forgotten in it.
 
     Raises:
         BagError: too short to be divided.
     """
-    n, dead = len(model.target), dead_time(model, seconds_per_t)
+    n = len(model.target)
+    dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
     if model.pieces is not None and len(model.pieces) >= len(TURNS):
         return _by_piece(model.pieces, n, dead)
     cycles = max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
     turns = CYCLE * cycles
-    # from rest it tells a preload from a sensor's bias, which a leg needs, whose gains are free as well
-    begin = 0 if model.record.rest and len(model.machine.joints) > 1 else dead
-    useful = n - dead * sum(a != b for a, b in pairwise(turns))  # the last turn gives what the start takes
+    begin = 0 if model.record.rest else dead
+    useful = n - begin - dead * sum(a != b for a, b in pairwise(turns))
     if useful < FEWEST:
         raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
     roles = {name: np.zeros(n, bool) for name in SHARES}
@@ -60,11 +60,6 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
         for part in roles.values():
             part[start : start + dead] = False
     return Roles(**roles)
-
-
-def dead_time(model: Model, seconds_per_t: float) -> int:
-    """Readings in which a start, or what served another role, is forgotten."""
-    return int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * len(model.target)))
 
 
 def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:

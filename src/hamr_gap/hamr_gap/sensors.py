@@ -40,12 +40,12 @@ def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -
     whole = round(shift / step)
     part = shift / step - whole
     reach = int(TAPS[-1]) + abs(whole)
-    wide = np.concatenate([_beyond(y, reach), y, _beyond(y[..., ::-1, :], reach)[..., ::-1, :]], axis=-2)
+    wide = np.concatenate([beyond(y, reach), y, beyond(y[..., ::-1, :], reach)[..., ::-1, :]], axis=-2)
     n = y.shape[-2]
     return sum(_weight(j, -part) * wide[..., reach - whole + j : reach - whole + j + n, :] for j in TAPS)
 
 
-def _beyond(y: np.ndarray, count: int) -> np.ndarray:
+def beyond(y: np.ndarray, count: int) -> np.ndarray:
     """(..., count, channels) before the first reading, straight on."""
     back = np.arange(count, 0, -1)[:, None]
     return y[..., :1, :] - back * (y[..., 1:2, :] - y[..., :1, :])

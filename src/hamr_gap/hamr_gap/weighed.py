@@ -8,11 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from .model import Model
-from .roles import dead_time
 from .sensors import Sensors, late, slope
 
 INDEPENDENT = 100  # readings, as which those count that show a wrong model
-AGREE = 0.1  # of a reading's step, up to which clocks agree
 GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
 
 
@@ -70,16 +68,9 @@ class Weighed:
         return len(self.biased) + len(self.gains) + 1
 
     def on_time(self, delay: float) -> Weighed:
-        """With the clocks' shift, T, in the model, so that what sensors do besides is done to what they see.
-
-        Late drives do not let a machine go later from rest, late sensors show it so: of clocks that disagree the start serves nothing.
-        """
+        """With the clocks' shift, T, in the model, so that what sensors do besides is done to what they see."""
         model, coarse = (replace(m, delay=delay) if m else None for m in (self.model, self.coarse))
-        chosen = self.chosen
-        if abs(delay) > AGREE * model.reading_step:
-            chosen = chosen.copy()
-            chosen[: dead_time(model, model.machine.to_si["T"])] = False
-        return replace(self, model=model, coarse=coarse, chosen=chosen)
+        return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target))
 
     def moved(self, run: np.ndarray, shift: float) -> np.ndarray:
         """A run as late as it is read, about which sensors are linear; in short pieces, which are moved to first order, about no shift."""

@@ -1,4 +1,4 @@
-"""All sizes of all effects free at once, held by their priors alone; what differs from zero is named."""
+"""All sizes of all effects free at once, each in its usual form, held by their priors alone; what differs from zero is named."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def everything(prepared: Prepared) -> Path:
     """One fit with every size at every place; the level of an effect is its most certain size in standard deviations."""
     weighed, base = prepared.weighed, prepared.base.fit
     machine = weighed.model.machine
-    places = single_places(candidates(machine, weighed.model.record.channels))
+    places = usual(single_places(candidates(machine, weighed.model.record.channels)))
     sizes = {row: c for c in places for row, _ in c.rows(shape=False)}
     added = fading(prepared, [f for f in effect_parameters(places, weighed.model.scales) if f.row in sizes])
     free = (*base.free, *added)
@@ -67,6 +67,12 @@ def fading(prepared: Prepared, sizes: Sequence[Free]) -> list[Free]:
 def single_places(found: list[Candidate]) -> list[Candidate]:
     """Those at one joint each, and those of a pair."""
     return [c for c in found if len(c.joints) == 1 or c.law.acts == "pair"]
+
+
+def usual(found: list[Candidate]) -> list[Candidate]:
+    """Each effect in the first of its forms there is: with all of them at once, each would stand in for the others."""
+    first: dict[tuple, str] = {}
+    return [c for c in found if first.setdefault(c.name, c.form) == c.form]
 
 
 def fit_all(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Fit:
