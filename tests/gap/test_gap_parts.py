@@ -221,9 +221,8 @@ def test_an_experiment_is_proposed_that_tells_rivals_apart():
     machine, record = oscillator(lambda q, v: -300.0 * np.tanh(v / 0.5))
     prepared = prepare(machine, record)
     rivals = [Candidate(name, library()[name].forms[0].name, (0,)) for name in ("coulomb_friction", "quadratic_damping")]
-    seen = screen(
-        prepared.weighed, prepared.base.fit, rivals, amplitude=float(np.sqrt(np.nanmean(residual(prepared.weighed, prepared.base.fit) ** 2)))
-    )
+    amplitude = float(np.sqrt(np.nanmean(residual(prepared.weighed, prepared.base.fit) ** 2)))
+    seen = screen(prepared.weighed, prepared.base.fit, rivals, amplitude=amplitude)
     fits = [refine(prepared.weighed, prepared.judged, s)
             for c in rivals for s in starts(prepared.weighed, prepared.base.fit, seen, [((c,), seen.best(c)[0])])]  # fmt: skip
     proposal = propose(prepared, *fits)

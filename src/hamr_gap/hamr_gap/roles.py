@@ -34,7 +34,9 @@ class Roles:
 
 
 def roles_of(model: Model, seconds_per_t: float) -> Roles:
-    """Turns of the four roles, with dead time between them; before the first too, unless the record begins at rest: an unknown start is forgotten in it.
+    """Turns of the four roles, with dead time between them, and before the first unless the record begins at rest.
+
+    In that time an unknown start, and what served another role, is forgotten.
 
     Raises:
         BagError: too short to be divided.
