@@ -16,11 +16,12 @@ from hamr_gap.fit import fit
 from hamr_gap.flagship_find import recorded
 from hamr_gap.hypothesis import Start, refine, refined
 from hamr_gap.legs import machine_of
-from hamr_gap.moves import apart, at_both, look, narrowed, singles, special_cases, without
+from hamr_gap.moves import apart, at_both, look, singles
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.record import Record, fresh
 from hamr_gap.sensors import Sensors
+from hamr_gap.simpler import narrowed, special_cases, without
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
 FRICTION = Candidate("coulomb_friction", "presliding", (0,))

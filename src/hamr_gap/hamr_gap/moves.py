@@ -1,4 +1,4 @@
-"""Moves of the search: every candidate alone, pairs in the linear picture, one more beside others, one taken out."""
+"""Moves of the search that add: every candidate alone, pairs in the linear picture, one more beside others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from itertools import combinations
 
 import numpy as np
 
-from hamr_dynamics.effects.law import Form
 from hamr_dynamics.effects.library import library
 
 from .fit import Fit
@@ -19,9 +18,7 @@ from .weighed import Weighed
 
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
-LITTLE = 1e-3  # of its prior, at which a size begins of which nothing is known
 PROMISING = 3.0  # times the cost of the best start, from which a larger set is fitted at all
-HARMLESS = 1.1  # times what was left before
 MORE = 6  # names fitted beside others
 
 
@@ -89,57 +86,13 @@ def at_both(weighed: Weighed, judged: np.ndarray, found: Sequence[Hypothesis]) -
 
 
 def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypothesis) -> Hypothesis:
+    """Two hypotheses with one effect at a joint each, as one with it at both."""
     own, added = h.effects[-1], other.effects[-1]
     rows = {f.row for f in effect_parameters((added,), weighed.model.scales)}
     more = [(f, x) for f, x in zip(other.fit.free, other.fit.x, strict=True) if f.row in rows]
     effects = (*h.effects[:-1], replace(own, joints=tuple(sorted((*own.joints, *added.joints)))))
     free, x = (*h.fit.free, *(f for f, _ in more)), np.array([*h.fit.x, *(x for _, x in more)])
     return refine(weighed, judged, Start(effects, free, x, np.inf))
-
-
-def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
-    """A hypothesis fitted again without one of its effects."""
-    return refine(weighed, judged, _less(h, tuple(c for c in h.effects if c != effect)))
-
-
-def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis fitted again without one of its effects, or with it at one joint instead of two; and on, while that does no harm."""
-    wanted = []
-    for i, c in enumerate(h.effects):
-        fewer = [(replace(c, joints=(joint,)),) for joint in c.places if len(c.places) > 1] + [()] * (len(h.effects) > 1)
-        wanted += [_less(h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for some in fewer]
-    found = refined(weighed, judged, wanted)
-    best = min(found, key=lambda n: n.left, default=None)
-    return [*found, *narrowed(weighed, judged, best)] if best and best.left < HARMLESS * h.left else found
-
-
-def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that has it as a special case."""
-    values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
-    retuned = [f for f in h.fit.free if f.row.startswith("change.")]
-    wanted = []
-    for i, c in enumerate(h.effects):
-        for simple in (s for name in library()[c.effect].contains for form in library()[name].forms for s in _within(c, name, form)):
-            effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
-            like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
-            free = (*retuned, *effect_parameters(effects, weighed.model.scales))
-            x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
-            wanted.append(Start(effects, free, x, np.inf))
-    return refined(weighed, judged, wanted)
-
-
-def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
-    """A form of a simpler name at the joints of another effect; of one that couples two joints, at each by itself as well."""
-    if form.acts == c.law.acts:
-        return [Candidate(name, form.name, c.joints)]
-    return [Candidate(name, form.name, j) for j in (*((j,) for j in c.joints), c.joints)] if c.law.acts == "pair" else []
-
-
-def _less(h: Hypothesis, effects: tuple[Candidate, ...]) -> Start:
-    """Where a hypothesis is, with no more than these effects."""
-    rows = {row for c in effects for shape in (False, True) for row, _ in c.rows(shape=shape)}
-    kept = [i for i, f in enumerate(h.fit.free) if f.row.startswith("change.") or f.row in rows]
-    return Start(effects, tuple(h.fit.free[i] for i in kept), h.fit.x[kept], np.inf)
 
 
 def _promising(found: Sequence[Start]) -> list[Start]:

@@ -10,11 +10,12 @@ import numpy as np
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, refined, residual
-from .moves import at_both, beside, in_forms, look, narrowed, pairs_of, singles, special_cases, without
+from .moves import at_both, beside, in_forms, look, pairs_of, singles
 from .parameters import Candidate
 from .record import noise_of
 from .screen import Screen
-from .staircase import staircases, with_stairs
+from .sensor_steps import staircases, with_stairs
+from .simpler import narrowed, special_cases, without
 from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
@@ -108,14 +109,7 @@ def search(
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += narrowed(weighed, judged, state.best)
     state.tried += special_cases(weighed, judged, state.best)
-    # steps of sensors are seen by themselves, and belong to every answer; larger sets can hide them
-    of_size = [state.best_of(size) for size in sorted({len(h.effects) for h in state.tried})]
-    seen_steps = [(h, stairs) for h in of_size if (stairs := staircases(weighed, judged, h))]
-    if seen_steps:
-        report("steps of sensors")
-        left, stairs = min(((with_stairs(weighed, judged, h, s).left, s) for h, s in seen_steps), key=lambda found: found[0])
-        if left < state.best.left:
-            state.tried = [with_stairs(weighed, judged, h, stairs) for h in (base, *state.by_names().values())]
+    _with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state
 
@@ -136,6 +130,18 @@ def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: S
         others = next((h for h in state.tried if frozenset(h.effects) == rest), None)
         state.tried += beside(weighed, judged, others or without(weighed, judged, best, untried[0]), everything)
         best = state.best if best.left - state.floor > state.enough else best
+
+
+def _with_steps(weighed: Weighed, judged: np.ndarray, state: Search, report: Callable[[str], None]) -> None:
+    """Steps of sensors are seen by themselves, and belong to every answer; larger sets can hide them."""
+    of_size = [state.best_of(size) for size in sorted({len(h.effects) for h in state.tried})]
+    seen = [(h, stairs) for h in of_size if (stairs := staircases(weighed, judged, h))]
+    if not seen:
+        return
+    report("steps of sensors")
+    left, stairs = min(((with_stairs(weighed, judged, h, s).left, s) for h, s in seen), key=lambda found: found[0])
+    if left < state.best.left:
+        state.tried = [with_stairs(weighed, judged, h, stairs) for h in (state.base, *state.by_names().values())]
 
 
 def noise_floor(weighed: Weighed, best: Hypothesis) -> float:
