@@ -5,7 +5,9 @@ from __future__ import annotations
 from ..scalar import maximum, sqrt
 from .law import Effect, Form, Joint, Parameter, Push
 
+LITTLE = 1e-12  # beside any rate
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
+DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
 WIDTH = Parameter("width", "Q/T", 0.02, 1e-4, 0.3, "rate at which the force has reached 0.7 of its level", shape=True, screen=(0.02,))
 DISTANCE = Parameter("distance", "Q", 0.03, 1e-4, 1.0, "way over which bristles yield before sliding", shape=True, screen=(0.01, 0.1))
 
@@ -38,6 +40,28 @@ def presliding(x: Joint, p, z):
     return Push(-(p["level"] * new), stiffness=p["level"] * yielding / p["distance"]), (new,)
 
 
+def bristles(x: Joint, p, z, *, breakaway, limit):
+    """LuGre: bristles that bear z, yield over a distance and slide at a limit; dz/dt = (v - |v| z / limit) / distance.
+
+    Args:
+        breakaway: force of z = 1. limit: (0, 1], of z at this rate.
+    """
+    pace = x.step / p["distance"]
+    speed = maximum(x.v, -x.v)
+    slack = 1.0 + pace * speed / limit
+    new = (z[0] + pace * x.v) / slack
+    yielding = maximum(1.0 - maximum(new, -new) / limit, 0.0)
+    resting = (1.0 - z[0] * x.v / (limit * (speed + LITTLE))) / (slack * slack)  # share of a further rate that bends them
+    bent = (new - z[0]) / pace  # rate at which they bend, as seen from the joint
+    force = breakaway * new + p["damper"] * bent
+    return Push(-force, stiffness=breakaway * yielding / p["distance"], damping=p["damper"] * resting), (new,)
+
+
+def lugre(x: Joint, p, z):
+    """LuGre at a constant limit: -level z - damper distance dz/dt, dz/dt = (v - |v| z) / distance."""
+    return bristles(x, p, z, breakaway=p["level"], limit=1.0)
+
+
 EFFECT = Effect(
     name="coulomb_friction",
     part="transmission",
@@ -45,9 +69,10 @@ EFFECT = Effect(
     forms=(
         Form("sign", "force", sign, (LEVEL, WIDTH)),
         Form("presliding", "force", presliding, (LEVEL, DISTANCE), states=1),
+        Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE), states=1),
         Form("asymmetric", "force", asymmetric,
              (LEVEL, Parameter("difference", "F", 0.01, -10.0, 10.0, "half the difference of the two directions"), WIDTH)),
     ),  # fmt: skip
     experiment="small slow reversals beside large fast ones: the equivalent damping falls as one over the amplitude",
-    source="Coulomb 1785; presliding: Dahl 1968; robot joints: Janot, Gautier, Brunot 2019 (EMPS)",
+    source="Coulomb 1785; presliding: Dahl 1968; LuGre: Canudas de Wit et al. 1995; robot joints: Janot, Gautier, Brunot 2019 (EMPS)",
 )

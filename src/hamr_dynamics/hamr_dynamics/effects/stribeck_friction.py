@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum
-from .coulomb_friction import DISTANCE, LEVEL, WIDTH, gliding
+from .coulomb_friction import DAMPER, DISTANCE, LEVEL, LITTLE, WIDTH, bristles, gliding
 from .law import Effect, Form, Joint, Parameter, Push
 
 
@@ -16,15 +15,15 @@ def lorentzian(x: Joint, p, z):
     return Push(-(size * direction), damping=size * slope), z
 
 
-def bristles(x: Joint, p, z):
-    """LuGre: bristles yield over a distance, and what they bear falls with speed; -size z, dz/dt = (v - |v| z) / distance."""
+def lugre(x: Joint, p, z):
+    """LuGre: -(level + excess) z - damper distance dz/dt, dz/dt = (v - |v| z / limit) / distance; the limit falls from 1 like a bell."""
     ratio = x.v / p["speed"]
-    size = p["level"] + p["excess"] / (1.0 + ratio * ratio)
-    pace = x.step / p["distance"]
-    speed = maximum(x.v, -x.v)
-    new = (z[0] + pace * x.v) / (1.0 + pace * speed)
-    yielding = maximum(1.0 - maximum(new, -new), 0.0)
-    return Push(-(size * new), stiffness=size * yielding / p["distance"]), (new,)
+    core = 1.0 / (1.0 + 0.25 * ratio * ratio)
+    core = core * core
+    breakaway = p["level"] + p["excess"]
+    # (1 + r^2 / 4)^-4 is exp(-r^2) within 0.07; where all sizes are zero the limit is 1
+    limit = (p["level"] + p["excess"] * core * core + LITTLE) / (breakaway + LITTLE)
+    return bristles(x, p, z, breakaway=breakaway, limit=limit)
 
 
 EXCESS = Parameter("excess", "F", 0.05, 0.0, 10.0, "how much larger it is near standstill")
@@ -36,7 +35,7 @@ EFFECT = Effect(
     summary="Dry friction of a joint that falls from a larger value near standstill to a smaller one with speed.",
     forms=(
         Form("lorentzian", "force", lorentzian, (LEVEL, EXCESS, SPEED, WIDTH)),
-        Form("bristles", "force", bristles, (LEVEL, EXCESS, SPEED, DISTANCE), states=1),
+        Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, DISTANCE), states=1),
     ),  # fmt: skip
     experiment="slow breakaway ramps and constant speeds",
     source="Stribeck 1902; LuGre: Canudas de Wit et al. 1995; Olsson et al. 1998, Friction models and friction compensation",
