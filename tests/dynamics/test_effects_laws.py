@@ -51,14 +51,15 @@ def test_coulomb_friction_takes_the_same_amplitude_every_turn():
     assert -np.diff(tops) == pytest.approx(np.full(3, 0.08), rel=0.02)  # the excess is gone when it slides
 
 
+@pytest.mark.parametrize("sharpness", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize(("effect", "given", "slow", "fast"), [
     ("coulomb_friction", {"level": 0.02}, 0.02, 0.02),
     ("stribeck_friction", {"level": 0.02, "excess": 0.03, "speed": 0.1}, 0.05, 0.02),
 ])  # fmt: skip
-def test_bristles_slide_at_their_limit_and_creep_back(effect, given, slow, fast):
+def test_bristles_slide_at_their_limit_and_creep_back(effect, given, slow, fast, sharpness):
     """Slowly at the breakaway force, fast at the level, both ways; turned back they bear less by their stiffness times the way."""
     law, h, distance = find(effect, "lugre"), 1e-3, 1e-3
-    p = parameters(law, damper=0.0, distance=distance, **given)
+    p = parameters(law, damper=0.0, distance=distance, sharpness=sharpness, **given)
 
     def pulled(v: float, steps: int, z: tuple) -> tuple[float, tuple]:
         for _ in range(steps):
@@ -66,19 +67,21 @@ def test_bristles_slide_at_their_limit_and_creep_back(effect, given, slow, fast)
         return float(push.force), z
 
     for way in (1.0, -1.0):
-        force, z = pulled(way * 2e-3, 20_000, (0.0,))
+        force, z = pulled(way * 2e-3, 20_000, (0.0, 0.0))
         assert force == pytest.approx(-way * slow, rel=1e-3)
         back, _ = pulled(-way * 2e-3, 1, z)
-        assert back - force == pytest.approx(way * slow * 2.0 * 2e-3 * h / distance, rel=0.01)  # twice: what slid forward now bends back
-        assert pulled(way * 5.0, 200, (0.0,))[0] == pytest.approx(-way * fast, rel=1e-3)
+        # twice, where what slid forward now bends back
+        assert back - force == pytest.approx(way * slow * (2.0 - sharpness) * 2e-3 * h / distance, rel=0.01)
+        assert pulled(way * 5.0, 200, (0.0, 0.0))[0] == pytest.approx(-way * fast, rel=1e-3)
 
 
+@pytest.mark.parametrize("sharpness", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("effect", ["coulomb_friction", "stribeck_friction"])
-def test_a_damper_in_the_bristles_damps_what_sticks_and_not_what_slides(effect):
+def test_a_damper_in_the_bristles_damps_what_sticks_and_not_what_slides(effect, sharpness):
     """A spring beside a damper at small amplitude; its derivative for the implicit step is that of the force."""
     law, h = find(effect, "lugre"), 1e-4
-    p = parameters(law, damper=0.3, distance=0.1, level=0.02)
-    z, omega, found = (0.0,), 50.0, 0.0j
+    p = parameters(law, damper=0.3, distance=0.1, level=0.02, sharpness=sharpness)
+    z, omega, found = (0.0, 0.0), 50.0, 0.0j
     for k in range(8 * round(2 * pi / omega / h)):
         v = 1e-5 * omega * cos(omega * k * h)  # far below the distance
         push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h), p, z)
@@ -88,7 +91,9 @@ def test_a_damper_in_the_bristles_damps_what_sticks_and_not_what_slides(effect):
         push, z = law.law(Joint(0.0, 1.0, 0.0, 1.0, 1.0, 0.0, h), p, z)
     assert float(push.force) == pytest.approx(-0.02, rel=1e-3)
     for v in (0.2, -0.2):
-        ahead, near = (law.law(Joint(0.0, v + d, 0.0, 1.0, 1.0, 0.0, h), p | {"level": np.float64(0.0)}, (0.4,))[0] for d in (1e-6, -1e-6))
+        ahead, near = (
+            law.law(Joint(0.0, v + d, 0.0, 1.0, 1.0, 0.0, h), p | {"level": np.float64(0.0)}, (0.4, 0.4))[0] for d in (1e-6, -1e-6)
+        )
         slope = -(float(ahead.force) - float(near.force)) / 2e-6
         assert float(near.damping) == pytest.approx(slope, rel=1e-3)
 

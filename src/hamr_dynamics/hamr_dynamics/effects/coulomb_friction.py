@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum, sqrt
+from ..scalar import clip, maximum, positive, sqrt
 from .law import Effect, Form, Joint, Parameter, Push
 
 LITTLE = 1e-12  # beside any rate
@@ -10,6 +10,7 @@ LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
 DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
 WIDTH = Parameter("width", "Q/T", 0.02, 1e-4, 0.3, "rate at which the force has reached 0.7 of its level", shape=True, screen=(0.02,))
 DISTANCE = Parameter("distance", "Q", 0.03, 1e-4, 1.0, "way over which bristles yield before sliding", shape=True, screen=(0.01, 0.1))
+SHARPNESS = Parameter("sharpness", "1", 0.5, 0.0, 1.0, "share of the bristles that yield all at once", shape=True)
 
 
 def gliding(v, width):
@@ -41,24 +42,29 @@ def presliding(x: Joint, p, z):
 
 
 def bristles(x: Joint, p, z, *, breakaway, limit):
-    """LuGre: bristles that bear z, yield over a distance and slide at a limit; dz/dt = (v - |v| z / limit) / distance.
+    """Bristles that bear z, yield over a distance and slide at a limit: a share `sharpness` all at once, the others as in LuGre,
+    dz/dt = (v - |v| z / limit) / distance.
 
     Args:
         breakaway: force of z = 1. limit: (0, 1], of z at this rate.
     """
-    pace = x.step / p["distance"]
+    pace, sharp = x.step / p["distance"], p["sharpness"]
     speed = maximum(x.v, -x.v)
     slack = 1.0 + pace * speed / limit
-    new = (z[0] + pace * x.v) / slack
-    yielding = maximum(1.0 - maximum(new, -new) / limit, 0.0)
-    resting = (1.0 - z[0] * x.v / (limit * (speed + LITTLE))) / (slack * slack)  # share of a further rate that bends them
-    bent = (new - z[0]) / pace  # rate at which they bend, as seen from the joint
-    force = breakaway * new + p["damper"] * bent
-    return Push(-force, stiffness=breakaway * yielding / p["distance"], damping=p["damper"] * resting), (new,)
+    soft = (z[0] + pace * x.v) / slack
+    free = z[1] + pace * x.v
+    hard = clip(free, -limit, limit)
+    held = 1.0 - positive(maximum(free, -free) - limit)
+    yielding = (1.0 - sharp) * maximum(1.0 - maximum(soft, -soft) / limit, 0.0) + sharp * held
+    # share of a further rate that bends them
+    bending = (1.0 - sharp) * (1.0 - z[0] * x.v / (limit * (speed + LITTLE))) / (slack * slack) + sharp * held
+    bears, bore = (1.0 - sharp) * soft + sharp * hard, (1.0 - sharp) * z[0] + sharp * z[1]
+    force = breakaway * bears + p["damper"] * (bears - bore) / pace
+    return Push(-force, stiffness=breakaway * yielding / p["distance"], damping=p["damper"] * bending), (soft, hard)
 
 
 def lugre(x: Joint, p, z):
-    """LuGre at a constant limit: -level z - damper distance dz/dt, dz/dt = (v - |v| z) / distance."""
+    """-level z - damper distance dz/dt of bristles that yield over a distance: gradually (LuGre) to all at once (Prandtl)."""
     return bristles(x, p, z, breakaway=p["level"], limit=1.0)
 
 
@@ -69,7 +75,7 @@ EFFECT = Effect(
     forms=(
         Form("sign", "force", sign, (LEVEL, WIDTH)),
         Form("presliding", "force", presliding, (LEVEL, DISTANCE), states=1),
-        Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE), states=1),
+        Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE, SHARPNESS), states=2),
         Form("asymmetric", "force", asymmetric,
              (LEVEL, Parameter("difference", "F", 0.01, -10.0, 10.0, "half the difference of the two directions"), WIDTH)),
     ),  # fmt: skip

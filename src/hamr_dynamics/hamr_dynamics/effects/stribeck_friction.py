@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .coulomb_friction import DAMPER, DISTANCE, LEVEL, LITTLE, WIDTH, bristles, gliding
+from .coulomb_friction import DAMPER, DISTANCE, LEVEL, LITTLE, SHARPNESS, WIDTH, bristles, gliding
 from .law import Effect, Form, Joint, Parameter, Push
 
 
@@ -16,7 +16,7 @@ def lorentzian(x: Joint, p, z):
 
 
 def lugre(x: Joint, p, z):
-    """LuGre: -(level + excess) z - damper distance dz/dt, dz/dt = (v - |v| z / limit) / distance; the limit falls from 1 like a bell."""
+    """As of coulomb_friction, -(level + excess) z - damper distance dz/dt, whose limit falls from 1 with the rate like a bell."""
     ratio = x.v / p["speed"]
     core = 1.0 / (1.0 + 0.25 * ratio * ratio)
     core = core * core
@@ -35,7 +35,7 @@ EFFECT = Effect(
     summary="Dry friction of a joint that falls from a larger value near standstill to a smaller one with speed.",
     forms=(
         Form("lorentzian", "force", lorentzian, (LEVEL, EXCESS, SPEED, WIDTH)),
-        Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, DISTANCE), states=1),
+        Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, DISTANCE, SHARPNESS), states=2),
     ),  # fmt: skip
     experiment="slow breakaway ramps and constant speeds",
     source="Stribeck 1902; LuGre: Canudas de Wit et al. 1995; Olsson et al. 1998, Friction models and friction compensation",
