@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hamr_gap.legs import machine_of
+from hamr_gap.model import Model, scales_of
+from hamr_gap.prepare import prepare
+from hamr_gap.record import Record
+from hamr_gap.search import Search, with_steps
 from hamr_gap.sensors import late
 from hamr_gap.staircase import staircase
 
@@ -57,3 +64,18 @@ def test_a_late_reading_is_the_signal_late(shift):
         np.cos(2 * np.pi * 40.0 * (TIME - shift * 1e-3)),
     ], 1)[::4]  # fmt: skip
     assert np.abs(late(y, shift * 1e-3, 1e-3) - exact)[10:-10].max() < 1e-5
+
+
+def test_steps_show_beside_the_model_as_it_is_where_no_effect_fits():
+    """A counter of a ninth of the travel: all that else was tried may hide it."""
+    leg, time = machine_of("simple", "fl"), np.arange(16000) * 0.25
+    drives = 40.0 * np.stack([np.sin(time * (0.05 + 0.03 * np.sin(time * p))) for p in (1e-3, 1.3e-3)], 1)
+    still = Record(drives, np.tile(np.sin(time)[:, None], len(leg.channels)), 0.25, leg.channels)
+    readings = Model(leg, still, 2, 1, scales_of(leg, still)).plain + 1e-3 * np.random.default_rng(0).standard_normal(still.readings.shape)
+    swing = readings[:, 0].copy()
+    readings[:, 0] = np.ptp(swing) / 9.0 * np.round(swing / np.ptp(swing) * 9.0) + 1e-3 * NOISE[:16000]
+    prepared = prepare(leg, replace(still, readings=readings))
+    state = Search(prepared.weighed, prepared.base, None)
+    with_steps(prepared.weighed, prepared.judged, state, lambda _: None)
+    assert state.best.names == {("sensor_quantisation", (0,))}
+    assert state.best.left - 1.0 < 0.1 * (prepared.base.left - 1.0)

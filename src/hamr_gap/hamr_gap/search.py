@@ -109,7 +109,7 @@ def search(
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += narrowed(weighed, judged, state.best)
     state.tried += special_cases(weighed, judged, state.best)
-    _with_steps(weighed, judged, state, report)
+    with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state
 
@@ -132,10 +132,10 @@ def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: S
         best = state.best if best.left - state.floor > state.enough else best
 
 
-def _with_steps(weighed: Weighed, judged: np.ndarray, state: Search, report: Callable[[str], None]) -> None:
-    """Steps of sensors are seen by themselves, and belong to every answer; larger sets can hide them."""
+def with_steps(weighed: Weighed, judged: np.ndarray, state: Search, report: Callable[[str], None]) -> None:
+    """Steps of sensors are seen by themselves, and belong to every answer; what fits them in part can hide them."""
     of_size = [state.best_of(size) for size in sorted({len(h.effects) for h in state.tried})]
-    seen = [(h, stairs) for h in of_size if (stairs := staircases(weighed, judged, h))]
+    seen = [(h, stairs) for h in (state.base, *of_size) if (stairs := staircases(weighed, judged, h))]
     if not seen:
         return
     report("steps of sensors")

@@ -7,7 +7,7 @@ import math
 from ..scalar import cos, floor, sin
 from .law import Effect, Form, Input, Parameter
 
-WAVES = (1, 2, 3)
+WAVES = ("slow", "fast")
 
 
 def linear(x: Input, p, z):
@@ -23,12 +23,11 @@ def settling(x: Input, p, z):
 
 
 def waves(x: Input, p, z):
-    """u (1 + three waves, of a period, half and a third of it): a gain that comes and goes."""
+    """u (1 + two waves, each with a period of its own): a gain that comes and goes."""
     gain, turn = 1.0, x.time / p["period"]
-    for n in WAVES:
-        phase = n * turn
-        phase = 2.0 * math.pi * (phase - floor(phase + 0.5))
-        gain = gain + p[f"sine{n}"] * sin(phase) + p[f"cosine{n}"] * cos(phase)
+    for name, turns in zip(WAVES, (turn, turn * p["ratio"]), strict=True):
+        phase = 2.0 * math.pi * (turns - floor(turns + 0.5))
+        gain = gain + p[f"{name}_sine"] * sin(phase) + p[f"{name}_cosine"] * cos(phase)
     return x.u * gain, z
 
 
@@ -54,8 +53,9 @@ EFFECT = Effect(
             "drive",
             waves,
             (
-                *(Parameter(f"{part}{n}", "1", 0.03, -0.9, 0.9, f"of wave {n}") for n in WAVES for part in ("sine", "cosine")),
-                Parameter("period", "T", 2000.0, 100.0, 1e5, "of the longest wave", shape=True, screen=(1000.0, 2000.0, 4000.0)),
+                *(Parameter(f"{n}_{part}", "1", 0.03, -0.9, 0.9, f"of the {n} wave") for n in WAVES for part in ("sine", "cosine")),
+                Parameter("period", "T", 2000.0, 100.0, 1e5, "of the slow wave", shape=True, screen=(1000.0, 2000.0, 4000.0)),
+                Parameter("ratio", "1", 2.5, 1.2, 6.0, "of it to that of the fast wave", shape=True, screen=(1.5, 2.3, 3.0)),
             ),
             order=8,
         ),
