@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hamr_dynamics.effects.dragged import dragged
 from hamr_dynamics.effects.force_table import hats
 from hamr_dynamics.effects.law import Chassis, Input, Joint, Motion, Pair, Push, Scales, Signal
 from hamr_dynamics.effects.library import find, library
@@ -193,6 +194,34 @@ def test_the_loop_of_hysteresis_does_not_depend_on_the_rate(form, given):
     slow, fast = area(4000), area(1000)
     assert slow > 0.05
     assert fast == pytest.approx(slow, rel=0.02)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 50.0])
+def test_what_is_dragged_follows_the_exact_curve(share):
+    """z = limit - (limit - z0) exp(-way / (length limit)), in steps that are a share of the length: to second order, however long."""
+    length, limit, way = 0.4, 0.7, 0.8
+    steps = max(1, round(way / (share * length)))
+    for sign in (1.0, -1.0):
+        z = 0.3 * sign
+        for _ in range(steps):
+            z, _ = dragged(z, -sign * max(way / steps, share * length), length, limit)
+        exact = -limit + (limit + 0.3) * exp(-max(way, steps * share * length) / (length * limit))
+        assert sign * z == pytest.approx(exact, abs=min(0.06 * share**2, 6e-3))
+        ahead, behind, slope = (dragged(0.3, sign * 0.2 + d, length, limit) for d in (1e-6, -1e-6, 0.0))
+        assert slope[1] == pytest.approx((ahead[0] - behind[0]) / 2e-6, rel=1e-5)
+
+
+@pytest.mark.parametrize(("form", "energy"), [
+    ("well", lambda q, p: -p["depth"] / (1.0 + ((q - p["centre"]) / p["width"]) ** 2)),
+    ("valley", lambda q, p: p["stiffness"] * p["width"] ** 2 * np.sqrt(1.0 + ((q - p["centre"]) / p["width"]) ** 2)),
+])  # fmt: skip
+@pytest.mark.parametrize("q", [-1.5, -0.2, 0.4, 2.0])
+def test_local_springs_are_gradients_too(form, energy, q):
+    law, eps = find("configuration_dependent_stiffness", form), 1e-4
+    p = parameters(law, centre=0.3, width=0.5) | {law.sizes[0].name: np.float64(0.7)}
+    push, _ = law.law(Joint(q, 0.0, 0.0, 1.0, 1.0, 0.0, H), p, ())
+    assert push.force == pytest.approx(-(energy(q + eps, p) - energy(q - eps, p)) / (2 * eps), abs=1e-7)
+    assert push.stiffness == pytest.approx((energy(q + eps, p) - 2 * energy(q, p) + energy(q - eps, p)) / eps**2, abs=1e-6)
 
 
 def test_creep_follows_a_step_with_its_time():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..scalar import sqrt
 from .configuration_dependent_damping import CENTRE, WIDTH, bell
 from .law import Effect, Form, Joint, Pair, PairPush, Parameter, Push
 
@@ -29,6 +30,13 @@ def well(x: Joint, p, z):
     return Push(-(k * (x.q - p["centre"])), stiffness=k * (1.0 - 4.0 * at * at * near)), z
 
 
+def valley(x: Joint, p, z):
+    """Force of the potential stiffness width^2 sqrt(1 + ((q - centre)/width)^2): a spring near the centre, a constant force far off."""
+    at = (x.q - p["centre"]) / p["width"]
+    slant = 1.0 / sqrt(1.0 + at * at)
+    return Push(-(p["stiffness"] * p["width"] * at * slant), stiffness=p["stiffness"] * slant * slant * slant), z
+
+
 def _term(i: int, j: int) -> Parameter:
     power = i + j - 1
     return Parameter(f"c{i}{j}", f"F/Q^{power}" if power > 1 else "F/Q", 0.01, -5.0, 5.0, f"potential per swing^{i} lift^{j}")
@@ -39,6 +47,7 @@ EFFECT = Effect(
     part="transmission",
     summary="Springs whose stiffness changes with both angles of the leg, as a potential has it.",
     forms=(Form("well", "force", well, (Parameter("depth", "F*Q", 0.02, -5.0, 5.0, "of the potential"), CENTRE, WIDTH)),
+           Form("valley", "force", valley, (Parameter("stiffness", "F/Q", 0.05, -5.0, 5.0, "in the centre"), CENTRE, WIDTH)),
            Form("potential", "pair", potential,
                 (_term(1, 1), *(_term(i, n - i) for n in (3, 4) for i in range(n, -1, -1)))),),
     experiment="large motions of both joints at once",

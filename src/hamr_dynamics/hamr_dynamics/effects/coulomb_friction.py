@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..scalar import clip, maximum, positive, sqrt
+from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
-LITTLE = 1e-12  # beside any rate
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
 DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
 WIDTH = Parameter("width", "Q/T", 0.02, 1e-4, 0.3, "rate at which the force has reached 0.7 of its level", shape=True, screen=(0.02,))
@@ -34,9 +34,7 @@ def asymmetric(x: Joint, p, z):
 
 def presliding(x: Joint, p, z):
     """Dahl: -level z, dz/dt = (v - |v| z) / distance; elastic before it slides."""
-    pace = x.step / p["distance"]
-    speed = maximum(x.v, -x.v)
-    new = (z[0] + pace * x.v) / (1.0 + pace * speed)
+    new, _ = dragged(z[0], x.step * x.v, p["distance"])
     yielding = maximum(1.0 - maximum(new, -new), 0.0)
     return Push(-(p["level"] * new), stiffness=p["level"] * yielding / p["distance"]), (new,)
 
@@ -48,18 +46,15 @@ def bristles(x: Joint, p, z, *, breakaway, limit):
     Args:
         breakaway: force of z = 1. limit: (0, 1], of z at this rate.
     """
-    pace, sharp = x.step / p["distance"], p["sharpness"]
-    speed = maximum(x.v, -x.v)
-    slack = 1.0 + pace * speed / limit
-    soft = (z[0] + pace * x.v) / slack
-    free = z[1] + pace * x.v
+    way, sharp = x.step * x.v, p["sharpness"]
+    soft, softly = dragged(z[0], way, p["distance"], limit)
+    free = z[1] + way / p["distance"]
     hard = clip(free, -limit, limit)
     held = 1.0 - positive(maximum(free, -free) - limit)
     yielding = (1.0 - sharp) * maximum(1.0 - maximum(soft, -soft) / limit, 0.0) + sharp * held
-    # share of a further rate that bends them
-    bending = (1.0 - sharp) * (1.0 - z[0] * x.v / (limit * (speed + LITTLE))) / (slack * slack) + sharp * held
+    bending = (1.0 - sharp) * softly * p["distance"] + sharp * held  # share of a further rate that bends them
     bears, bore = (1.0 - sharp) * soft + sharp * hard, (1.0 - sharp) * z[0] + sharp * z[1]
-    force = breakaway * bears + p["damper"] * (bears - bore) / pace
+    force = breakaway * bears + p["damper"] * (bears - bore) * p["distance"] / x.step
     return Push(-force, stiffness=breakaway * yielding / p["distance"], damping=p["damper"] * bending), (soft, hard)
 
 

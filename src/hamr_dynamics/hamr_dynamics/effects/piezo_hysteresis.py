@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..scalar import clip, maximum
+from ..scalar import clip
+from .dragged import dragged
 from .law import Effect, Form, Input, Parameter
 
 WIDTH = Parameter("width", "U", 0.5, 0.02, 5.0, "voltage over which a turn is forgotten", shape=True, screen=(0.2, 0.6, 1.5))
@@ -12,9 +13,7 @@ RADII = (0.25, 0.5, 1.0, 2.0)
 def bouc_wen(x: Input, p, z):
     """u - size h, dh = du - |du| h / width (Bouc-Wen with beta = 1/width, gamma = 0)."""
     h, before = z
-    change = x.u - before
-    way = maximum(change, -change)
-    new = (h + change) * p["width"] / (p["width"] + way)
+    new, _ = dragged(h, x.u - before, 1.0, p["width"])
     return x.u - p["size"] * new, (new, x.u)
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from .coulomb_friction import DAMPER, DISTANCE, LEVEL, LITTLE, SHARPNESS, WIDTH, bristles, gliding
+from .coulomb_friction import DAMPER, DISTANCE, LEVEL, SHARPNESS, WIDTH, bristles, gliding
 from .law import Effect, Form, Joint, Parameter, Push
+
+LITTLE = 1e-12  # of a force
 
 
 def lorentzian(x: Joint, p, z):
