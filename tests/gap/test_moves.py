@@ -79,6 +79,15 @@ def test_a_coupled_potential_gives_way_to_the_one_spring_that_it_is():
     assert best.left < 1.02 * h.left < 0.2 * bent.base.left
 
 
+def test_an_inertia_that_seems_to_vary_gives_way_to_the_constant_coupling_that_it_is():
+    """The re-tune takes most of the coupling up by making all else lighter, so that only its velocity forces seem to be missing."""
+    coupled = prepare(machine_of("simple", "fl"), shaken("lift_swing_coupling.inertia", {"inertia.0": -0.6}))
+    h = fitted(coupled, Candidate("configuration_dependent_inertia", "polynomial", (0, 1)))
+    best = min(special_cases(coupled.weighed, coupled.judged, h), key=lambda s: s.left)
+    assert (best.effects[0].effect, best.effects[0].form) == ("lift_swing_coupling", "inertia")
+    assert best.left - 1.0 < 0.02 * (coupled.base.left - 1.0)
+
+
 def test_thresholds_found_at_each_joint_are_tried_together():
     """Drives that clip at 65 and 45 V: neither joint's limit alone explains it, nor one limit for both."""
     record = shaken("drive_saturation.hard", {"sharpness.0": 1 / 65.0, "sharpness.1": 1 / 45.0})
