@@ -34,12 +34,13 @@ def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypoth
 
 
 def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that has it as a special case."""
+    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that contains or mimics it."""
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
     wanted = []
     for i, c in enumerate(h.effects):
-        for simple in (s for name in library()[c.effect].contains for form in library()[name].forms for s in _within(c, name, form)):
+        simpler = (*library()[c.effect].contains, *library()[c.effect].mimics)
+        for simple in (s for name in simpler for form in library()[name].forms for s in _within(c, name, form)):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))

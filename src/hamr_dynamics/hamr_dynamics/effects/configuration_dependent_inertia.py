@@ -49,5 +49,5 @@ EFFECT = Effect(
     ),
     experiment="large motions of both joints, faster than the resonance",
     source="hamr_facts 7, effect 7; Gruenstein et al.",
-    contains=("lift_swing_coupling",),  # its inertia is the term without angles
+    mimics=("lift_swing_coupling",),  # its inertia, where all else is made lighter instead
 )  # fmt: skip

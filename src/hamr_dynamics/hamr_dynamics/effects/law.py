@@ -212,7 +212,8 @@ class Effect:
 
     Attributes:
         name, part (of `PARTS`), summary: one sentence. forms: in order of simplicity.
-        contains: names that this one holds as a special case. same_as: other name -> the condition under which no data tell them apart.
+        contains: names that this one holds as a special case. mimics: simpler names that it can be taken for, beside a re-tune.
+        same_as: other name -> the condition under which no data tell them apart.
         needs: why a run may not show it at all: "ground", "deflections", "closed loop", "hold"; empty for any run.
         smooth: whether readings change little by little with its sizes, so that derivatives lead to them.
         experiment: what shows it best. source: where the law and its size come from.
@@ -225,6 +226,7 @@ class Effect:
     experiment: str
     source: str
     contains: tuple[str, ...] = ()
+    mimics: tuple[str, ...] = ()
     same_as: Mapping[str, str] | None = None
     needs: tuple[str, ...] = ()
     smooth: bool = True
