@@ -55,3 +55,10 @@ def test_a_second_effect_must_earn_its_place_but_does_not_make_the_law_unknown()
     pair = weights(coulomb_friction=0.5, coulomb_friction__drive_lag=0.02)
     assert first(pair) == "coulomb_friction__drive_lag"
     assert pair["unknown"] < 0.02
+
+
+def test_a_name_must_leave_less_throughout_than_its_special_case():
+    assert "stribeck_friction" not in weights(coulomb_friction=0.01, stribeck_friction=0.01)
+    assert weights(coulomb_friction=0.01, stribeck_friction=0.0001)["stribeck_friction"] > 0.9
+    beside = weights(drive_lag=0.5, coulomb_friction__drive_lag=0.01, stribeck_friction__drive_lag=0.01)
+    assert "coulomb_friction__drive_lag" in beside and "stribeck_friction__drive_lag" not in beside

@@ -24,6 +24,7 @@ STYLE = {
 #: SI unit -> factor and unit in pictures.
 SHOWN = {"rad": (180.0 / np.pi, "degrees"), "m": (1e6, "um")}
 CELLS = (8, 24)  # of a map, along each axis, from few readings to many
+LONG = 60  # letters, from which names of several effects stand below each other
 FEWEST = 3  # readings in a cell that is drawn
 
 
@@ -145,11 +146,13 @@ def left_by_names(tried: Sequence[Mapping], right: Sequence[str]) -> Figure:
     """What each name left of the gap on readings that were not fitted. Args: right, names in the credible set."""
     rows = list(tried)[:10][::-1]
     with rc_context(STYLE):
-        figure, axes = _figure(9.2, 0.5 + 0.27 * max(len(rows), 2))
+        names = [row["effects"] if len(row["effects"]) < LONG else row["effects"].replace(" + ", " +\n") for row in rows]
+        lines = max((name.count("\n") for name in names), default=0) + 1
+        figure, axes = _figure(9.2, 0.5 + (0.12 + 0.15 * lines) * max(len(rows), 2))
         axis = axes[0, 0]
         left = [max(100.0 * row["left"], 0.01) for row in rows]
         colours = [LOOK["after"][0] if row["effects"] in right else "#bdbdbd" for row in rows]
-        axis.barh([row["effects"] for row in rows], left, color=colours, height=0.7)
+        axis.barh(names, left, color=colours, height=0.7)
         for i, x in enumerate(left):
             axis.annotate(f" {x:.3g} %", (x, i), va="center", fontsize=8)
         axis.set_xscale("log")

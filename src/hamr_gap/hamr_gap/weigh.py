@@ -22,7 +22,8 @@ FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
 FLOOR_ERROR = 0.03  # of what noise leaves, which is an estimate
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
-THROUGHOUT = 2.0  # t over blocks by which each effect beyond the first must leave less: what it adds may be luck in a few blocks
+#: t over blocks by which each effect beyond the first must leave less, or a name than its special case: what it adds may be luck in a few.
+THROUGHOUT = 2.0
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 ANOTHER_SIZE = 0.1  # log odds against each size or shape
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
@@ -51,7 +52,7 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
     for names, h in best.items():
-        if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names):
+        if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names or _special(few, names)):
             continue
         left = max(h.left - state.floor, 0.0) / gap
         if left < 1.0:
@@ -68,6 +69,15 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     p = np.exp(score - score.max())
     p /= p.sum()
     return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
+
+
+def _special(few: frozenset, names: frozenset) -> bool:
+    """Whether a set of names differs from another by one special case, at the same joints or some of them."""
+    own, others = few - names, names - few
+    if len(own) != 1 or len(others) != 1:
+        return False
+    ((simple, joints),), ((wide, all_joints),) = own, others
+    return simple in library()[wide].contains and set(joints) <= set(all_joints)
 
 
 def credible(weights: Sequence[Weight]) -> list[Weight]:
