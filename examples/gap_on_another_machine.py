@@ -116,6 +116,7 @@ def main(data: Path = DATA, pictures: Path | None = None) -> None:
         if pictures:
             shown = {"EMPS, another record": axis[0], "Silverbox, growing amplitude": box[1]}
             steps, units = dict(zip(shown, (1e-3, 2**14 / 1e7), strict=True)), dict(zip(shown, ("mm", "mV"), strict=True))
+            pictures.mkdir(parents=True, exist_ok=True)
             draw(shown, steps, units, pictures / "gap_other_machines.png")
 
 
