@@ -62,3 +62,13 @@ def test_without_a_step_the_workflow_is_another_and_comes_back(monkeypatch, tmp_
     ablate.solve_without("forms", tmp_path / "answer.json")
     assert seen[0][0] is not whole and seen[0][0](None, None, None) == []
     assert seen[1] == (whole, 0) and search.ALL_FORMS > 0
+
+
+@pytest.mark.parametrize("step", ablate.STEPS)
+def test_every_step_that_can_be_left_out_is_there(step, monkeypatch, tmp_path):
+    """Under the name by which the workflow calls it; left out, it is something else."""
+    whole = [getattr(where, name) for where, name, _ in ablate.STEPS[step]]
+    seen = []
+    monkeypatch.setattr(ablate, "solve", lambda *_: seen.extend(getattr(where, name) for where, name, _ in ablate.STEPS[step]))
+    ablate.solve_without(step, tmp_path / "answer.json")
+    assert not any(np.array_equal(a, b) for a, b in zip(whole, seen, strict=True))

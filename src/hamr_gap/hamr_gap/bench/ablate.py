@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
 
+import numpy as np
 import tyro
 
 from hamr_description.errors import ConfigError, HamrError
@@ -40,11 +41,13 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "thresholds": tuple((module, "at_both", lambda *_: []) for module in (search, moves)),
     "timed": ((search, "LATE", float("inf")),),
     "coarser": ((fit, "FORESEEN", float("inf")),),
+    "beyond": ((fit, "TRIALS", np.minimum(fit.TRIALS, 1.0)),),
     "all_over": ((roles, "CYCLE", tuple(roles.SHARES)), (roles, "CYCLE_S", 4.0)),
     "held_out": ((prepare, "roles_of", _judged_by_the_fitted),),
     "finer": ((prepare, "ENOUGH", float("inf")),),
     "staircase": ((search, "staircases", lambda *_: {}),),
     "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "ANOTHER_SIZE", "CONTAINS")),
+    "special": ((weigh, "_special", lambda *_: False),),
     "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False)),
 }
 
