@@ -66,3 +66,11 @@ def test_a_late_piece_is_driven_by_what_was_before(record, preloaded, samples):
     runs = [model.run_rows(rows)[0, inner] for model in (late, by_hand)]
     assert np.ptp(runs[0]) > 0.0
     np.testing.assert_allclose(*runs, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("delay", [-1e6, 1e6])
+def test_clocks_are_never_so_late_that_nothing_is_left(record, preloaded, delay):
+    model = Model(LEG, record, SUBSTEPS, MEAN, scales_of(LEG, record), delay=delay)
+    assert abs(model.delay) == pytest.approx(0.1 * len(record) * STEP)
+    assert np.isfinite(model.runs(*preloaded)).all()
+    assert np.isfinite(model.target).all(1).mean() >= 0.9 - 1e-9

@@ -17,6 +17,7 @@ from .pieces import Pieces, pieces_of
 from .record import Record
 from .sensors import beyond, late
 
+LATEST = 0.1  # of a record: a fit that makes its clocks later than that is lost anyway
 BAND = 1000.0  # readings a second that are kept: what HAMR's legs do is slower
 
 
@@ -27,7 +28,7 @@ class Model:
     Attributes:
         substeps: steps per sample. mean: samples averaged into one reading.
         scales: what is usual on this machine. piece: T of a piece, 0 for what suits the machine.
-        delay: T by which readings are late, rounded to whole steps: what is read is the machine's state so much before.
+        delay: T by which readings are late, in whole steps, and `LATEST` at most: what is read is the machine's state so much before.
         target: (n, channels) averaged readings, NaN where none is, or where a late one shows what was before the record.
         own: indices of the record's channels among the machine's.
         pieces: parts that start anew, None for one free run from rest.
@@ -47,7 +48,8 @@ class Model:
     neutral: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
-        self._late = round(self.delay * self.substeps / self.record.step)
+        most = len(self.record) * self.substeps * LATEST
+        self._late = round(float(np.clip(self.delay * self.substeps / self.record.step, -most, most)))
         self.delay = self._late * self.record.step / self.substeps
         self.target = self.record.averaged(self.mean)
         self.own = [self.machine.channels.index(name) for name in self.record.channels]
