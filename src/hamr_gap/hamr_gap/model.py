@@ -110,7 +110,7 @@ class Model:
             self.machine, self.drives, rows, step=step, substeps=self.substeps, mean=self.mean,
             first=first + begun, start=start, samples=samples - self._unseen,
         )  # fmt: skip
-        return np.concatenate([beyond(y, self._unseen), y], axis=1)
+        return np.concatenate([beyond(y, self._unseen), y], axis=1) if self._unseen else y
 
     def _piecewise(self, pieces: Pieces, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
         """As `run_rows`, all channels, every piece in a lane of its own; zero where there is none."""

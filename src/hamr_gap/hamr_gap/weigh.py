@@ -27,7 +27,7 @@ THROUGHOUT = 2.0
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 ANOTHER_SIZE = 0.1  # log odds against each size or shape
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
-UNKNOWN = 0.1  # of the gap: where names leave more, none of the library is right; known laws left up to 0.06, others 0.14 and more
+UNKNOWN = 0.1  # of the gap: where names leave more, none of the library is right; known laws left up to 0.06, most others 0.14 and more
 COVERAGE = 0.9  # of a set
 DECIDES = 8.0  # half squared distance in units of noise below which data tell nothing apart (d' of 4)
 

@@ -86,6 +86,8 @@ def _facts(effect: Effect) -> Iterable[tuple[str, str]]:
     yield "acts", f"{PARTS[effect.part]} ({effect.part})"
     if effect.contains:
         yield "contains, as a special case", _links(effect.contains)
+    if effect.mimics:
+        yield "can be taken for, beside a re-tune", _links(effect.mimics)
     if inside := [other.name for other in library().values() if effect.name in other.contains]:
         yield "is a special case of", _links(inside)
     for other, condition in (effect.same_as or {}).items():
