@@ -31,7 +31,7 @@ def free_decay(effect: str, form: str, turns: int, **given: float) -> tuple[np.n
     tops, times, t = [1.0], [0.0], 0.0
     while len(tops) <= turns:
         middle = q + 0.5 * H * v
-        push, z = law.law(Joint(middle, v, 0.0, 1.0, 1.0, t, H), p, z)
+        push, z = law.law(Joint(middle, v, 0.0, 1.0, 1.0, t, H, 9.0), p, z)
         before, v = v, v + H * (float(push.force) - middle) / (1.0 + 0.5 * H * float(push.damping))
         q, t = middle + 0.5 * H * v, t + H
         if before > 0.0 >= v:
@@ -64,7 +64,7 @@ def test_bristles_slide_at_their_limit_and_creep_back(effect, given, slow, fast,
 
     def pulled(v: float, steps: int, z: tuple) -> tuple[float, tuple]:
         for _ in range(steps):
-            push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h), p, z)
+            push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
         return float(push.force), z
 
     for way in (1.0, -1.0):
@@ -85,15 +85,15 @@ def test_a_damper_in_the_bristles_damps_what_sticks_and_not_what_slides(effect, 
     z, omega, found = (0.0, 0.0), 50.0, 0.0j
     for k in range(8 * round(2 * pi / omega / h)):
         v = 1e-5 * omega * cos(omega * k * h)  # far below the distance
-        push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h), p, z)
+        push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
         found -= float(push.force) * (sin(omega * k * h) + 1j * cos(omega * k * h)) * 2 * h * omega / (16 * pi)
     assert found / 1e-5 == pytest.approx(0.02 / 0.1 + 1j * 0.3 * omega, rel=0.02)
     for _ in range(20_000):
-        push, z = law.law(Joint(0.0, 1.0, 0.0, 1.0, 1.0, 0.0, h), p, z)
+        push, z = law.law(Joint(0.0, 1.0, 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
     assert float(push.force) == pytest.approx(-0.02, rel=1e-3)
     for v in (0.2, -0.2):
         ahead, near = (
-            law.law(Joint(0.0, v + d, 0.0, 1.0, 1.0, 0.0, h), p | {"level": np.float64(0.0)}, (0.4, 0.4))[0] for d in (1e-6, -1e-6)
+            law.law(Joint(0.0, v + d, 0.0, 1.0, 1.0, 0.0, h, 9.0), p | {"level": np.float64(0.0)}, (0.4, 0.4))[0] for d in (1e-6, -1e-6)
         )
         slope = -(float(ahead.force) - float(near.force)) / 2e-6
         assert float(near.damping) == pytest.approx(slope, rel=1e-3)
@@ -142,7 +142,7 @@ def modulus(effect: str, form: str, omega: float, **given: float) -> complex:
     total, turns = 0.0j, max(3, round(20 * given.get("long", given.get("time")) * omega / (2 * pi)))
     for k in range(200 * turns):
         phase = omega * k * h
-        push, z = law.law(Joint(sin(phase), omega * cos(phase), 0.0, 1.0, 1.0, 0.0, h), p, z)
+        push, z = law.law(Joint(sin(phase), omega * cos(phase), 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
         if k >= 200 * (turns - 1):
             total -= float(push.force) * (sin(phase) + 1j * cos(phase)) * 2 / 200
     return total
@@ -196,6 +196,21 @@ def test_the_loop_of_hysteresis_does_not_depend_on_the_rate(form, given):
     assert fast == pytest.approx(slow, rel=0.02)
 
 
+def test_hysteresis_lags_by_its_width():
+    """u - size width (1 - exp(-u / width)) on the way up from nothing."""
+    law, z, given = find("piezo_hysteresis", "bouc_wen"), (0.0, 0.0), {"size": 0.3, "width": 0.5}
+    for u in np.linspace(0.0, 2.0, 201)[1:]:
+        y, z = law.law(Input(u, (u,), 0, 0.0, 1.0), parameters(law, **given), z)
+        assert y == pytest.approx(u - 0.3 * 0.5 * (1.0 - exp(-u / 0.5)), abs=1e-5)
+
+
+@pytest.mark.parametrize(("form", "given"), [("polynomial", {"curvature": -3.0}), ("local", {"extra": -3.0, "width": 5.0})])
+def test_damping_that_depends_on_the_angle_leaves_none_rather_than_drive(form, given):
+    law = find("configuration_dependent_damping", form)
+    push, _ = law.law(Joint(1.0, 2.0, 0.0, 1.0, 1.0, 0.0, H, 0.4), parameters(law, **given), ())
+    assert push.damping == -0.4 and push.force == 0.4 * 2.0
+
+
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 50.0])
 def test_what_is_dragged_follows_the_exact_curve(share):
     """z = limit - (limit - z0) exp(-way / (length limit)), in steps that are a share of the length: to second order, however long."""
@@ -219,7 +234,7 @@ def test_what_is_dragged_follows_the_exact_curve(share):
 def test_local_springs_are_gradients_too(form, energy, q):
     law, eps = find("configuration_dependent_stiffness", form), 1e-4
     p = parameters(law, centre=0.3, width=0.5) | {law.sizes[0].name: np.float64(0.7)}
-    push, _ = law.law(Joint(q, 0.0, 0.0, 1.0, 1.0, 0.0, H), p, ())
+    push, _ = law.law(Joint(q, 0.0, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, ())
     assert push.force == pytest.approx(-(energy(q + eps, p) - energy(q - eps, p)) / (2 * eps), abs=1e-7)
     assert push.stiffness == pytest.approx((energy(q + eps, p) - 2 * energy(q, p) + energy(q - eps, p)) / eps**2, abs=1e-6)
 
@@ -233,14 +248,14 @@ def test_creep_follows_a_step_with_its_time():
 
 def test_play_leaves_the_actuators_spring_out_and_stops_never_pull():
     law = find("backlash")
-    push, _ = law.law(Joint(0.01, 0.0, 0.0, 2.0, 1.0, 0.0, H), parameters(law, play=0.02, share=0.7), ())
+    push, _ = law.law(Joint(0.01, 0.0, 0.0, 2.0, 1.0, 0.0, H, 9.0), parameters(law, play=0.02, share=0.7), ())
     assert push.force == pytest.approx(0.7 * 2.0 * 0.01)  # takes back the share of the spring
-    push, _ = law.law(Joint(1.0, 0.0, 0.0, 2.0, 1.0, 0.0, H), parameters(law, play=0.02, share=0.7), ())
+    push, _ = law.law(Joint(1.0, 0.0, 0.0, 2.0, 1.0, 0.0, H, 9.0), parameters(law, play=0.02, share=0.7), ())
     assert push.force == pytest.approx(0.7 * 2.0 * 0.02)
     stop = find("end_stop", "both")
     p = parameters(stop, stiffness=5.0, limit=0.3, damping=10.0)
     for q, v, force in ((0.2, 5.0, 0.0), (0.4, 0.0, -0.5), (-0.4, 0.0, 0.5), (0.4, -5.0, 0.0)):
-        assert stop.law(Joint(q, v, 0.0, 1.0, 1.0, 0.0, H), p, ())[0].force == pytest.approx(force)
+        assert stop.law(Joint(q, v, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, ())[0].force == pytest.approx(force)
 
 
 def test_a_coarse_sensor_knows_multiples_only():
@@ -377,7 +392,7 @@ def test_no_size_no_effect(name, form, rng):
     """Exactly: not a bit of signal or force, over fifty steps of noise."""
     p, z = parameters(form), (0.0,) * form.states
     for q, v in rng.normal(0, 1, (50, 2)):
-        views = {"drive": Input(q, (q, v), 0, 1.0, H), "force": Joint(q, v, 0.3, 1.0, 1.0, 0.0, H), "sense": Signal(q, H)}
+        views = {"drive": Input(q, (q, v), 0, 1.0, H), "force": Joint(q, v, 0.3, 1.0, 1.0, 0.0, H, 9.0), "sense": Signal(q, H)}
         with np.errstate(divide="ignore"):
             answer, z = form.law(views[form.acts], p, z)
         if isinstance(answer, Push):

@@ -27,6 +27,13 @@ def test_sine_and_cosine_stay_bounded_beyond_their_range():
     assert np.abs(scalar.cos(far) - np.cos(far)).max() < 1e-10
 
 
+def test_sine_and_cosine_of_any_angle():
+    """Of machines of others: a wheel turns on and on."""
+    far = np.linspace(-1e3, 1e3, 20001)
+    assert np.abs(scalar.sin(far) - np.sin(far)).max() < 2e-11
+    assert np.abs(scalar.cos(far) - np.cos(far)).max() < 2e-11
+
+
 def test_angle_is_the_arctangent():
     assert np.abs(scalar.angle(np.sin(ANGLES), np.cos(ANGLES)) - ANGLES).max() < 5e-15
 

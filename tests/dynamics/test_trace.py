@@ -22,6 +22,7 @@ WHOLE = 2**50  # up to here floats hold whole numbers exactly
 OPERATIONS = {
     "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "neg": lambda a, b: -a,
     "max": scalar.maximum, "min": scalar.minimum, "positive": lambda a, b: scalar.positive(a),
+    "abs": lambda a, b: abs(a), "cube": lambda a, b: a**3,
 }  # fmt: skip
 
 number = st.integers(-3, 3)
@@ -51,7 +52,7 @@ def test_any_program_of_whole_numbers_is_traced_exactly(program, inputs, constan
 
 def run_source(source: str, name: str, *arrays: np.ndarray) -> np.ndarray:
     """Runs emitted source as plain Python; the last array."""
-    scope = {"U": int, "sqrt": math.sqrt, "real": float, "ONE": 1.0, "ZERO": 0.0}
+    scope = {"U": int, "sqrt": math.sqrt, "floor": math.floor, "real": float, "ONE": 1.0, "ZERO": 0.0}
     exec(source, scope)
     scope[name](*arrays)
     return arrays[-1]

@@ -35,8 +35,8 @@ def positive(x):
 
 
 def floor(x):
-    """Largest whole number not above x."""
-    return x.graph.record("floor", x) if isinstance(x, Var) else np.floor(x)
+    """Largest whole number not above x, its real part in a complex step."""
+    return x.graph.record("floor", x) if isinstance(x, Var) else np.floor(np.real(x))
 
 
 def clip(x, low, high):
@@ -59,13 +59,20 @@ _SIN = [(-1) ** k / math.factorial(2 * k + 1) for k in range(11)]
 _COS = [(-1) ** k / math.factorial(2 * k) for k in range(12)]
 
 
+def _turned(x):
+    """An angle less whole turns, within +-pi; exactly x itself where it is there."""
+    return x - 2.0 * math.pi * floor(x * (0.5 / math.pi) + 0.5)
+
+
 def sin(x):
-    """Sine: Taylor polynomial of degree 21, 1e-16 over +-pi/2, 4e-12 over +-pi."""
+    """Sine: Taylor polynomial of degree 21, 1e-16 over +-pi/2, 1e-11 elsewhere."""
+    x = _turned(x)
     return x * _horner(_SIN, x * x)
 
 
 def cos(x):
-    """Cosine: Taylor polynomial of degree 22, 1e-16 over +-pi/2."""
+    """Cosine: Taylor polynomial of degree 22, 1e-16 over +-pi/2, 2e-12 elsewhere."""
+    x = _turned(x)
     return _horner(_COS, x * x)
 
 

@@ -138,6 +138,14 @@ class Var:
     def __neg__(self):
         return self.graph.record("neg", self)
 
+    def __pow__(self, power: int):
+        if not isinstance(power, int) or power < 1:
+            raise TypeError(f"a traced scalar can be raised to whole powers from 1, not {power}")
+        return self if power == 1 else self * self ** (power - 1)
+
+    def __abs__(self):
+        return self.graph.record("max", self, -self)
+
     __radd__ = __add__
     __rmul__ = __mul__
 

@@ -114,7 +114,7 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
         Answer(effects_of(prepared, w.hypothesis), w.probability, w.left, _forms(state, w.hypothesis)) if w.hypothesis
         else Answer((), w.probability, w.left) for w in chosen
     )  # fmt: skip
-    silent = {name: why for name in library() if (why := missing(name, machine, record.channels)) and why != "it is no name"}
+    silent = {name: why for name in library() if (why := missing(name, machine, record)) and why != "it is no name"}
     return Verdict(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
         gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
@@ -182,8 +182,7 @@ def gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
     """Gaps on the judged readings, in noise of one sample; per channel in SI."""
     weighed = prepared.weighed
     model, mean = weighed.model, weighed.model.mean
-    raw = (model.target - model.plain) / weighed.sigma
-    three = {"raw": raw, "retuned": residual(weighed, prepared.base.fit), "after": residual(weighed, best.fit)}
+    three = {"raw": weighed.left(model.plain), "retuned": residual(weighed, prepared.base.fit), "after": residual(weighed, best.fit)}
     chosen = prepared.judged.any(1)
     totals = {name: float(np.sqrt(np.nanmean(x[chosen] ** 2) / mean)) for name, x in three.items()}
     channels = {

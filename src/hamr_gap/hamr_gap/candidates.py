@@ -8,26 +8,31 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import Machine
 
 from .parameters import Candidate
+from .record import Record
 
 
-def candidates(machine: Machine, channels: tuple[str, ...]) -> list[Candidate]:
-    """All that can be named: each form at each joint and at all joints, coupling forms once."""
+def candidates(machine: Machine, record: Record) -> list[Candidate]:
+    """All that can be named: each form at each joint and at all joints, those of a drive where it changes, coupling forms once."""
     joints = range(len(machine.joints))
     sets = [s for size in range(1, len(machine.joints) + 1) for s in combinations(joints, size)]
+    driven = [s for s in sets if record.driven[list(s)].all()]
     found = []
     for name, form in machine.forms:
-        if not library()[name].smooth or missing(name, machine, channels):
+        if not library()[name].smooth or missing(name, machine, record):
             continue
-        found += [Candidate(name, form.name, s) for s in ([tuple(joints)] if form.acts == "pair" else sets)]
+        places = [tuple(joints)] if form.acts == "pair" else driven if form.acts == "drive" else sets
+        found += [Candidate(name, form.name, s) for s in places]
     return found
 
 
-def missing(effect: str, machine: Machine, channels: tuple[str, ...]) -> str:
-    """Why a suspended run with these channels cannot show an effect; empty if it can."""
+def missing(effect: str, machine: Machine, record: Record) -> str:
+    """Why a suspended run cannot show an effect; empty if it can."""
     needs = library()[effect].needs
     if "ground" in needs:
         return "the machine does not touch the ground"
-    if "deflections" in needs and len(channels) <= len(machine.joints):
+    if not record.driven.any() and all(form.acts == "drive" for form in library()[effect].forms):
+        return "no drive ever changes"
+    if "deflections" in needs and len(record.channels) <= len(machine.joints):
         return "there is no sensor on the actuator's side"
     if "unnamed" in needs:
         return "it is no name"

@@ -91,7 +91,7 @@ def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | fl
 
     Args:
         columns: role -> name of the column in this table, where it has another, with its unit if it has one ("t [ms]"); for `time` a
-            number of seconds between rows, where no column says it.
+            number of seconds between rows, where no column says it; for a drive a number, where it is the same all the time.
 
     Raises:
         BagError, ConfigError: a column is missing or makes no sense; one sentence.
@@ -113,15 +113,20 @@ def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | fl
         own, x = table[name]
         return x * _factor(machine, roles[role], unit or _split(own)[1], f"column '{name}' of {path}")
 
-    used = np.column_stack([column(role) for role in drives])
+    rows = len(next(iter(table.values()))[1])
+    used = np.column_stack([np.full(rows, float(x)) if _number_in(x := columns.get(role)) else column(role) for role in drives])
     readings = {name: x for name in machine.channels if (x := column(name)) is not None}
     if missing := [joint for joint in machine.channels[: len(machine.joints)] if joint not in readings]:
         raise BagError(f"{path} has no column for the sensor {missing[0]}; it has {', '.join(table)}: name it so, or map it.")
-    if isinstance(columns.get("time"), (int, float)):
+    if _number_in(columns.get("time")):
         step, breaks = float(columns["time"]) / machine.to_si["T"], ()
     else:
         step, breaks = _clock(column("time"), path)
     return Record(used, np.column_stack(list(readings.values())), step, tuple(readings), rest=False, breaks=breaks)
+
+
+def _number_in(x: object) -> bool:
+    return isinstance(x, int | float)
 
 
 def _split(name: str) -> tuple[str, str]:

@@ -103,7 +103,7 @@ def _d_prime(model: Model, prepared: Prepared, first: Hypothesis, second: Hypoth
     free, x = second.fit.free, second.fit.x
     b = model.runs(free, x)[0]
     sigma = np.sqrt(prepared.weighed.sigma**2 + FORM_ERROR * np.mean((a - plain) ** 2, axis=0))
-    weighed = replace(prepared.weighed, model=model, chosen=np.ones_like(b, bool), sigma=sigma)
+    weighed = replace(prepared.weighed, model=model, chosen=np.ones_like(b, bool), sigma=sigma, initial=None)
     columns = jacobian(weighed, free, x, b, Sensors.none(b.shape[1]))
     ridge = np.zeros(columns.shape[1])
     ridge[: len(free)] = [1.0 / f.sd for f in free]

@@ -97,10 +97,14 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
 
 
 def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | None:
-    """What would decide between the first two names, as in `verdict.json`, and its drives (m, joints); None if there is one name."""
-    joints = analysis.prepared.weighed.model.machine.joints
+    """What would decide between the first two names, as in `verdict.json`, and its drives (m, joints).
+
+    None if there is one name, or if nothing drives the machine.
+    """
+    model = analysis.prepared.weighed.model
+    joints = model.machine.joints
     rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None][:2]
-    if len(rivals) < 2:
+    if len(rivals) < 2 or not model.record.driven.any():
         return None
     proposal = propose(analysis.prepared, *rivals, seed=seed)
     first, second = (in_words(h.effects, joints) for h in rivals)

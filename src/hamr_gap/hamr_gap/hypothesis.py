@@ -62,7 +62,7 @@ class Hypothesis:
 
 def residual(weighed: Weighed, found: Fit) -> np.ndarray:
     """(n, channels) in units of the noise."""
-    return (weighed.model.target - found.reading) / weighed.sigma
+    return weighed.left(found.reading)
 
 
 def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], found: Fit) -> Hypothesis:
@@ -72,7 +72,7 @@ def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], fo
 
 def left_of(weighed: Weighed, judged: np.ndarray, reading: np.ndarray) -> tuple[float, np.ndarray]:
     """Mean square, in units of the noise, by which readings (n, channels) miss the judged ones: of all, and (b,) of each block."""
-    square = np.where(judged, ((weighed.model.target - reading) / weighed.sigma) ** 2, np.nan)
+    square = np.where(judged, weighed.left(reading) ** 2, np.nan)
     rows = np.flatnonzero(judged.any(1))
     return float(np.nanmean(square[rows])), np.array([np.nanmean(square[part]) for part in blocks_of(weighed, rows)])
 

@@ -1,8 +1,9 @@
 """Which parts of a record are simulated each from a start of its own, and where they start.
 
 A machine that forgets its start runs freely through a whole record. One that does not (no spring, or hardly a damper) would carry every
-error to the end: it runs in pieces, each started from what was measured there. The states inside effects (a lag, a bristle) are those
-after a short run-in before the piece, at whose end coordinates and rates are set to the measured ones again.
+error to the end, and one that nothing drives has nothing but its start: they run in pieces, each started from what was measured there.
+The states inside effects (a lag, a bristle) are those after a short run-in before the piece, at whose end coordinates and rates are set
+to the measured ones again.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from .record import Record, noise_of
 FORGETS = 0.1  # of a record: a machine whose slowest decay takes longer runs in pieces
 SECONDS = 1.0  # of a piece of a machine that does not swing, at most
 MANY = 32  # pieces there should be
+FEW = 12  # of a machine that swings on and on: friction takes time to show
 FEWEST = 40  # readings of a piece
 RUN_IN = 0.2  # of a piece
 ORDER = 3  # of the local polynomials
@@ -53,14 +55,15 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     Args:
         mean: samples averaged into one reading. length: T of a piece if the machine is not to choose.
     """
-    slow, usual = _memory(machine)
-    forgotten = not length and slow <= FORGETS * record.span
+    slow, swing, second = _memory(machine)
+    forgotten = not length and slow <= FORGETS * record.span and record.driven.any()
     if forgotten:
         if len(record.stretches) == 1 and (record.rest or slow <= FORGETS**2 * record.span):
             return None
         length = record.span
     elif not length:
-        length = np.clip(usual, FEWEST * mean * record.step, max(record.span / MANY, FEWEST * mean * record.step))
+        least, many = FEWEST * mean * record.step, FEW if swing else MANY
+        length = np.clip(slow if swing else second, least, max(record.span / many, least))
     shortest = min(stop - start for start, stop in record.stretches) // mean
     readings = max(1, min(round(length / (record.step * mean)), int(shortest / (1.0 + RUN_IN))))
     parts = [part for start, stop in record.stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
@@ -74,13 +77,14 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
 
 
 def telling(machine: Machine) -> float:
-    """T of a piece that is long enough to tell something."""
-    return _memory(machine)[1]
+    """T of a piece that is long enough to tell something: four periods of what swings, else twice the slowest decay there is."""
+    _, swing, second = _memory(machine)
+    return 4.0 * swing or second
 
 
-def _memory(machine: Machine) -> tuple[float, float]:
-    """T of the slowest decay of the machine's own linear motion (infinite without a spring), and the length of a telling piece:
-    four periods of what swings, else twice the slowest decay there is."""
+def _memory(machine: Machine) -> tuple[float, float, float]:
+    """T of the slowest decay of the machine's own linear motion (infinite without a spring), of its longest period (zero if none),
+    and of twice the slowest decay there is."""
     rest, n = machine.at_rest, len(machine.joints)
     mass, stiffness, damping = (_square(m, n) for m in (rest.mass, rest.stiffness, rest.damping))
     inverse = np.linalg.inv(mass)
@@ -89,10 +93,9 @@ def _memory(machine: Machine) -> tuple[float, float]:
     decay, swing = -roots.real, np.abs(roots.imag)
     lost = 1e-9 * max(np.abs(roots).max(), 1e-300)
     slow = 1.0 / decay.min() if decay.min() > lost else np.inf
-    if swing.max() > lost:
-        return slow, 8.0 * np.pi / swing[swing > lost].min()
+    swing = 2.0 * np.pi / swing[swing > lost].min() if swing.max() > lost else 0.0
     second = SECONDS / machine.to_si["T"]
-    return slow, min(2.0 / decay[decay > lost].min(), second) if decay.max() > lost else second
+    return slow, swing, min(2.0 / decay[decay > lost].min(), second) if decay.max() > lost else second
 
 
 def _square(entries: tuple, n: int) -> np.ndarray:

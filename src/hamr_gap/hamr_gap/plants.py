@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from hamr_description.errors import ConfigError
+from hamr_dynamics import machine_kernel
 from hamr_dynamics.machine import Machine
 
 from .columns import record_of
@@ -43,6 +44,13 @@ def load(said: str) -> tuple[Machine, dict]:
         raise ConfigError(f"The plant {said} cannot be made: {type(error).__name__}: {error}; correct the file.") from error
     if not isinstance(machine, Machine):
         raise ConfigError(f"{name}() of {file} returns a {type(machine).__name__}; return a hamr_dynamics.machine.Machine.")
+    try:
+        machine_kernel.source(machine)
+    except Exception as error:  # whatever goes wrong in a user's equations, likewise
+        raise ConfigError(
+            f"The equations of {said} cannot be compiled: {type(error).__name__}: {error}; `terms` must return tuples, made with "
+            "+ - * / and the functions of hamr_dynamics.scalar, such as sin, sqrt and maximum."
+        ) from error
     return machine, dict(getattr(module, "COLUMNS", {}))
 
 

@@ -11,6 +11,7 @@ from hamr_dynamics.machine import Machine
 
 from .fit import Fit, fit
 from .hypothesis import Hypothesis, judge, left_of
+from .initial_states import InitialStates
 from .model import BAND, Model, scales_of
 from .parameters import changes
 from .pieces import telling
@@ -74,7 +75,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
         found = fit(weighed, found.free, found.x)
     model, judged = weighed.model, mask(weighed.model, roles.select)
     raw, _ = left_of(weighed, judged, model.plain)
-    sigma = np.maximum(weighed.sigma, noise_of(_gaps(model.target - found.reading, roles.fit)))
+    sigma = np.maximum(weighed.sigma, noise_of(_gaps(weighed.left(found.reading) * weighed.sigma, roles.fit)))
     if (sigma > 1.2 * weighed.sigma).any():  # noise that is not white from sample to sample
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
@@ -94,11 +95,12 @@ def _tuned(machine: Machine, record: Record, noise: np.ndarray) -> tuple[Weighed
     roles = roles_of(model, machine.to_si["T"])
     alone = len(machine.joints) == 1
     gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
-    weighed = Weighed(model, mask(model, roles.fit), noise / np.sqrt(mean), gains, model)
-    free = changes(machine, model.scales)
+    sigma, free = noise / np.sqrt(mean), changes(machine, model.scales)
+    weighed = Weighed(model, mask(model, roles.fit), sigma, gains, model, initial=InitialStates.about(model, model.neutral, sigma))
     # trusted first, sensors keep a fit from wandering off along scales that only end stops tell apart
     rough = replace(weighed, gains=(), sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, model.plain)))
     found = fit(rough, free, np.zeros(len(free)))
+    weighed = replace(weighed, initial=InitialStates.about(model, model.rows(free, found.x)[0], sigma))
     fair = replace(weighed, sigma=np.maximum(weighed.sigma, TRUST * _rms(weighed, found.reading)))
     return fair, fit(fair, free, found.x), roles
 
@@ -109,20 +111,21 @@ def _led_by_pieces(weighed: Weighed, found: Fit, roles: Roles) -> Fit:
     A run that hits its stops at another time than it did is lost from there on, and fits rest in minima that this makes; pieces do not.
     """
     parts = replace(weighed.model, piece=telling(weighed.model.machine))
-    begun = fit(replace(weighed, model=parts, coarse=parts, chosen=mask(parts, roles.fit)), found.free, np.zeros(len(found.x)))
+    short = replace(weighed, model=parts, coarse=parts, chosen=mask(parts, roles.fit), initial=None)
+    begun = fit(short, found.free, np.zeros(len(found.x)))
     return min(found, fit(weighed, found.free, begun.x), key=lambda f: f.cost)
 
 
 def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
     """(channels,) of what a run leaves of the fitted readings."""
-    left = np.where(weighed.chosen, weighed.model.target - reading, np.nan)
+    left = np.where(weighed.chosen, weighed.left(reading) * weighed.sigma, np.nan)
     return np.sqrt(np.nanmean(left**2, axis=0))
 
 
 def _check(machine: Machine, record: Record) -> None:
     for j, name in enumerate(machine.joints):
-        if np.ptp(record.drives[:, j]) == 0:
-            raise BagError(f"The drive of {name} is constant: nothing can be said about it; excite it.")
+        if record.rest and not record.driven[j]:
+            raise BagError(f"The drive of {name} is constant, and it begins at rest: nothing can be said about it; excite it.")
     for c, name in enumerate(record.channels):
         known = record.readings[:, c][np.isfinite(record.readings[:, c])]
         if len(known) < 100 or np.ptp(known) == 0:

@@ -55,6 +55,11 @@ class Record:
         """Duration, T."""
         return len(self) * self.step
 
+    @cached_property
+    def driven(self) -> np.ndarray:
+        """(joints,) whether the drive of a joint ever changes."""
+        return np.ptp(self.drives, axis=0) > 0.0
+
     @property
     def stretches(self) -> list[tuple[int, int]]:
         """Start and stop of each part without a break."""

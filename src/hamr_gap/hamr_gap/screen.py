@@ -123,7 +123,8 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     def respond(part: Sequence[Column]) -> np.ndarray:
         with np.errstate(over="ignore"):  # a run that diverges is not finite, and left out
             y = model.run_rows(rows_of(part), until) - plain
-            return ((base.sensors.read(y, model.reading_step, model.starts) - base.sensors.bias) / weighed.sigma).astype(np.float32)
+            read = base.sensors.read(y, model.reading_step, model.starts) - base.sensors.bias
+            return (weighed.beside(read) / weighed.sigma).astype(np.float32)
 
     responses = np.empty((len(columns), *plain.shape), np.float32)
     for round_ in (0, 1):  # at the typical size, then at the size that matters
@@ -140,8 +141,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     everything = replace(weighed, model=model, chosen=np.ones_like(chosen))
     fixed = jacobian(everything, base.free, base.x, plain, base.sensors).T.reshape(-1, *plain.shape)
     every = np.concatenate([fixed, responses])
-    residual = ((weighed.model.target - base.reading) / weighed.sigma)[:until]
-    a, r = every[:, chosen].astype(float), residual[chosen]
+    a, r = every[:, chosen].astype(float), weighed.left(base.reading[:until])[chosen]
     ridge = weighed.doubt(r) * np.concatenate([
         [f.sd**-2.0 for f in base.free], weighed.sensor_precision, [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
     ])  # fmt: skip

@@ -77,7 +77,7 @@ def search(
     Args:
         report: told what is being done. timed: whether the clocks' shift is that of an effect already.
     """
-    everything = candidates(weighed.model.machine, weighed.model.record.channels)
+    everything = candidates(weighed.model.machine, weighed.model.record)
     report("screen")
     seen = look(weighed, base.fit, everything)
     state = Search(weighed, base, seen)
@@ -107,8 +107,8 @@ def search(
         if state.best.left - state.floor > NEEDED * before:
             break
         _exchange(weighed, judged, state, everything, smaller)
-    state.tried += narrowed(weighed, judged, state.best)
     state.tried += special_cases(weighed, judged, state.best)
+    state.tried += narrowed(weighed, judged, state.best)  # beside a simpler name others may have nothing left to do
     with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state

@@ -9,6 +9,7 @@ import numpy as np
 from hamr_dynamics.machine import Machine
 
 from .found import STATES, Found
+from .initial_states import InitialStates
 from .model import Model, scales_of
 from .record import Record, noise_of
 from .si import channel_si
@@ -39,7 +40,10 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
         for state, run in zip(STATES, model.run_rows(rows), strict=True)
     }
     chosen = used[:, None] & np.isfinite(model.target)
-    left = {state: np.where(chosen, model.target - run, np.nan) for state, run in runs.items()}
+    left = {
+        state: np.where(chosen, _beside_starts(model, row, noise, model.target - run), np.nan)
+        for (state, run), row in zip(runs.items(), rows, strict=True)
+    }
     over = {state: _rms(x / noise) for state, x in left.items()}
     channels = {}
     for c, channel in enumerate(record.channels):
@@ -50,6 +54,12 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
         "horizons": {f"{seconds:g} s": _growth(model, found, rows, noise, used, seconds) for seconds in HORIZONS_S},
     }  # fmt: skip
     return shown, _pictured(machine, model, noise, used, runs)
+
+
+def _beside_starts(model: Model, row: np.ndarray, noise: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """What a run with lane parameters (rows,) leaves, (n, channels), less what other starts of its pieces make of it."""
+    initial = InitialStates.about(model, row, noise)
+    return initial.beside(left) if initial else left
 
 
 def closed(over: dict[str, float]) -> float | None:

@@ -34,13 +34,16 @@ def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypoth
 
 
 def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that contains or mimics it."""
+    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that contains or mimics it.
+
+    Of several effects each is fitted in its own other forms too: singles have been, but others were found beside some one form.
+    """
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
     wanted = []
     for i, c in enumerate(h.effects):
-        simpler = (*library()[c.effect].contains, *library()[c.effect].mimics)
-        for simple in (s for name in simpler for form in library()[name].forms for s in _within(c, name, form)):
+        names = (*(c.effect,) * (len(h.effects) > 1), *library()[c.effect].contains, *library()[c.effect].mimics)
+        for simple in (s for name in names for form in library()[name].forms for s in _within(c, name, form) if s != c):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))

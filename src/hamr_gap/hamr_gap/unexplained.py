@@ -8,17 +8,20 @@ from __future__ import annotations
 import numpy as np
 
 from .fit import Fit
-from .hypothesis import blocks_of, residual
+from .hypothesis import blocks_of, left_of, residual
 from .weighed import Weighed
 
 SHARED = 1.0  # rms in noise of a sample, that both sensors of a joint must show
 OFTEN = 0.2  # of the blocks, in which they must: a hit that the model has a little late is no law
+ALONE = 3.0  # rms in noise of a reading, that one sensor must show in half of the blocks
 
 
 def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
-    """Whether both sensors of a joint show the same beside a fit; False where no joint has two."""
+    """Whether both sensors of a joint show the same beside a fit; where no joint has two, whether one shows what no noise is."""
     both = shared(weighed, judged, found)
-    return len(both) > 0 and float(np.quantile(both, 1.0 - OFTEN)) > weighed.model.mean * SHARED**2
+    if not len(both):
+        return float(np.median(left_of(weighed, judged, found.reading)[1])) > ALONE**2
+    return float(np.quantile(both, 1.0 - OFTEN)) > weighed.model.mean * SHARED**2
 
 
 def shared(weighed: Weighed, judged: np.ndarray, found: Fit) -> np.ndarray:

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .initial_states import InitialStates
 from .model import Model
 from .sensors import Sensors, late, slope
 
@@ -23,6 +24,7 @@ class Weighed:
         chosen: (n, channels) readings that count. sigma: (channels,) noise of an averaged reading.
         numerical: rms by which halving the step moves readings, in units of a sample's noise.
         gains: channels whose gain is free: all of two coupled joints; of one joint, where it is the drive's, those beside it.
+        initial: what other initial states of the pieces can do; None where there are none to be solved for.
     """
 
     model: Model
@@ -31,11 +33,13 @@ class Weighed:
     gains: tuple[int, ...]
     coarse: Model | None = None
     numerical: float = 0.0
+    initial: InitialStates | None = None
 
     @cached_property
     def until(self) -> int:
-        """Readings up to the last that counts: further than that a fit need not simulate."""
-        return int(np.flatnonzero(self.chosen.any(1))[-1]) + 1
+        """Readings up to the last that counts, or the end of its piece: further than that a fit need not simulate."""
+        last = int(np.flatnonzero(self.chosen.any(1))[-1]) + 1
+        return min((stop for _, stop, _ in self.initial.parts if stop >= last), default=last) if self.initial else last
 
     @cached_property
     def _places(self) -> np.ndarray:
@@ -54,7 +58,15 @@ class Weighed:
 
     def vector(self, y: np.ndarray) -> np.ndarray:
         """Weighted readings that count, (m,), of (n, channels) or (K, m) of (K, n, channels), n at least `until`."""
-        return y.reshape(*y.shape[:-2], -1).take(self._places, axis=-1) * self._weight
+        return self.beside(y).reshape(*y.shape[:-2], y.shape[-2] * y.shape[-1]).take(self._places, axis=-1) * self._weight
+
+    def beside(self, y: np.ndarray) -> np.ndarray:
+        """Readings or differences of them, (..., n, channels), less what other initial states make of them."""
+        return self.initial.beside(y) if self.initial else y
+
+    def left(self, reading: np.ndarray) -> np.ndarray:
+        """(n, channels) of what readings miss the measured ones by, in units of the noise."""
+        return self.beside(self.model.target[: len(reading)] - reading) / self.sigma
 
     @property
     def biased(self) -> tuple[int, ...]:
@@ -79,15 +91,18 @@ class Weighed:
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
         """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part, about a run (late already)."""
         step = self.model.reading_step
-        moved = run.reshape(-1).take(self._places)[:, None]
-        gains = moved * self._weights[:, list(self.gains)]
+        if self.initial:
+            gains = self.vector(run * np.eye(run.shape[1])[list(self.gains)][:, None]).T
+        else:
+            gains = run.reshape(-1).take(self._places)[:, None] * self._weights[:, list(self.gains)]
         shift = -step * self.vector(slope(run, step, self.model.starts))[:, None]
         return np.hstack([self._biases, gains, shift])
 
     @cached_property
     def _biases(self) -> np.ndarray:
         """(m, biases), each in units of its channel's noise, so that columns are alike in size."""
-        return self._weights[:, list(self.biased)] * self.sigma[list(self.biased)]
+        each = np.eye(len(self.sigma))[list(self.biased)] * self.sigma
+        return self.vector(np.broadcast_to(each[:, None], (len(each), self.until, len(self.sigma)))).T
 
     @cached_property
     def sensor_precision(self) -> np.ndarray:

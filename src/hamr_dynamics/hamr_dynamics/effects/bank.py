@@ -85,9 +85,13 @@ class Equations:
     damping: list
     slip: list
 
+    def diagonal(self, j: int) -> int:
+        """Where entry jj of a matrix is."""
+        return (0, 2)[j] if len(self.force) == 2 else 0
+
     def add(self, j: int, push: Push) -> None:
         """A push at joint j."""
-        diagonal = (0, 2)[j] if len(self.force) == 2 else 0
+        diagonal = self.diagonal(j)
         self.force[j] = self.force[j] + push.force
         self.mass[diagonal] = self.mass[diagonal] + push.mass
         self.stiffness[diagonal] = self.stiffness[diagonal] + push.stiffness
@@ -152,7 +156,8 @@ class Acting:
             return
         for j in self._joints:
             own = (x[j] for x in (at.q, at.v, at.drive, at.stiffness, at.inertia))
-            equations.add(j, self._act(law, j, Joint(*own, time, at.step)))
+            damping = equations.damping[equations.diagonal(j)]
+            equations.add(j, self._act(law, j, Joint(*own, time, at.step, damping)))
 
     def leg(self, leg):
         """A `leg.Leg` as forms that act on it leave it."""

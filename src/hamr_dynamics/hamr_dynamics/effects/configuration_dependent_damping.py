@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from ..scalar import maximum
 from .law import Effect, Form, Joint, Parameter, Push
+
+
+def _passive(x: Joint, d) -> Push:
+    """-d v, with no less than no damping left: a joint is no motor."""
+    d = maximum(d, -x.damping)
+    return Push(-(d * x.v), damping=d)
 
 
 def polynomial(x: Joint, p, z):
     """-(d1 q + d2 q^2) v."""
-    d = x.q * (p["slope"] + p["curvature"] * x.q)
-    return Push(-(d * x.v), damping=d), z
+    return _passive(x, x.q * (p["slope"] + p["curvature"] * x.q)), z
 
 
 CENTRE = Parameter("centre", "Q", 0.0, -3.0, 3.0, "angle of the middle", shape=True, screen=(-1.0, 0.0, 1.0))
@@ -23,8 +29,7 @@ def bell(q, p):
 
 def local(x: Joint, p, z):
     """-extra v near one angle."""
-    d = p["extra"] * bell(x.q, p)[0]
-    return Push(-(d * x.v), damping=d), z
+    return _passive(x, p["extra"] * bell(x.q, p)[0]), z
 
 
 EFFECT = Effect(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..scalar import cos, floor, sin
+from ..scalar import cos, sin
 from .law import Effect, Form, Input, Parameter
 
 WAVES = ("slow", "fast")
@@ -26,7 +26,7 @@ def waves(x: Input, p, z):
     """u (1 + two waves, each with a period of its own): a gain that comes and goes."""
     gain, turn = 1.0, x.time / p["period"]
     for name, turns in zip(WAVES, (turn, turn * p["ratio"]), strict=True):
-        phase = 2.0 * math.pi * (turns - floor(turns + 0.5))
+        phase = 2.0 * math.pi * turns
         gain = gain + p[f"{name}_sine"] * sin(phase) + p[f"{name}_cosine"] * cos(phase)
     return x.u * gain, z
 

@@ -84,7 +84,7 @@ class Joint:
 
     Attributes:
         q, v: coordinate and rate. drive: generalised force of the drive. stiffness, inertia: the machine's own at rest (constants).
-        time, step: T.
+        time, step: T. damping: of the joint there, with all that acts before.
     """
 
     q: object
@@ -94,6 +94,7 @@ class Joint:
     inertia: object
     time: object
     step: object
+    damping: object
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,8 +62,8 @@ def _right(prepared: Prepared, state: Search, case: Case) -> list[Hypothesis]:
     wanted = [(e.family, tuple(JOINTS.index(j) for j in e.joints)) for e in case.effects]
     if tried := [h for h in state.tried if h.names == frozenset(wanted)]:
         return tried
-    machine, channels = prepared.weighed.model.machine, prepared.weighed.model.record.channels
-    forms = [[c for c in candidates(machine, channels) if c.name == name] for name in wanted]
+    model = prepared.weighed.model
+    forms = [[c for c in candidates(model.machine, model.record) if c.name == name] for name in wanted]
     look = state.seen
     seen = [(effects, look.solve([k for c in effects for k in look.best(c)[0].chosen])) for effects in product(*forms) if effects]
     found = sorted(starts(prepared.weighed, prepared.base.fit, look, seen), key=lambda start: start.cost)

@@ -32,7 +32,7 @@ def everything(prepared: Prepared) -> Path:
     """One fit with every size at every place; the level of an effect is its most certain size in standard deviations."""
     weighed, base = prepared.weighed, prepared.base.fit
     machine = weighed.model.machine
-    places = usual(single_places(candidates(machine, weighed.model.record.channels)))
+    places = usual(single_places(candidates(machine, weighed.model.record)))
     sizes = {row: c for c in places for row, _ in c.rows(shape=False)}
     added = fading(prepared, [f for f in effect_parameters(places, weighed.model.scales) if f.row in sizes])
     free = (*base.free, *added)

@@ -81,7 +81,7 @@ def _ranked(found: Dictionary, names: dict[int, tuple]) -> tuple[list[tuple], li
 def dictionary(prepared: Prepared) -> Dictionary:
     """All sizes of all forms at all places, shapes at their screening values."""
     weighed, forces = prepared.weighed, forces_of(prepared)
-    wanted = single_places(candidates(weighed.model.machine, weighed.model.record.channels))
+    wanted = single_places(candidates(weighed.model.machine, weighed.model.record))
     left = weighed.vector(weighed.model.target - prepared.base.fit.reading)
     seen = screen(weighed, prepared.base.fit, wanted, amplitude=float(np.sqrt(np.mean(left**2))))  # for sizes that matter
     scale = {f.row: f.scale for f in effect_parameters(wanted, weighed.model.scales)}

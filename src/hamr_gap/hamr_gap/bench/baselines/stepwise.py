@@ -24,7 +24,7 @@ MOST = 4  # effects
 def stepwise(prepared: Prepared) -> Path:
     """Rounds of one effect more each; the level of a round is by how much BIC falls."""
     weighed, best = prepared.weighed, prepared.base
-    everything = candidates(weighed.model.machine, weighed.model.record.channels)
+    everything = candidates(weighed.model.machine, weighed.model.record)
     gains, found = [], []
     while len(found) < MOST:
         others = [c for c in everything if all(c.effect != e.effect for e in best.effects)]

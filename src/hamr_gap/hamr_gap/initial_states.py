@@ -1,0 +1,73 @@
+"""Starts of pieces as they may also have been: what another initial state would do to the readings counts for nothing.
+
+Coordinates and rates at the start of a piece are measured with whatever is wrong with its sensor: the slope of a bent scale is off by
+as much as the scale, and an oscillator carries that to the end of the piece, where it hides friction. So each piece's initial state is
+solved for, linearly about the measured one, as in multiple shooting (Bock 1983), and projected out of everything that is compared.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .model import Model
+
+SMALL = 1e-3  # of what is usual: by how much starts are moved for a derivative
+TELLING = 1e-6  # of the largest, below which a direction of the initial state does nothing
+
+
+@dataclass(frozen=True, eq=False)
+class InitialStates:
+    """What initial states can do.
+
+    Attributes:
+        parts: first and last reading, and an orthonormal basis (readings * channels, r), in units of the noise, of each piece.
+        sigma: (channels,) noise. known: (n, channels) where there is a reading.
+    """
+
+    parts: tuple[tuple[int, int, np.ndarray], ...]
+    sigma: np.ndarray
+    known: np.ndarray
+
+    @classmethod
+    def about(cls, model: Model, row: np.ndarray, sigma: np.ndarray) -> InitialStates | None:
+        """About a machine's motion; None for one that forgets how it started.
+
+        Args:
+            row: (rows,) lane parameters. sigma: (channels,) noise.
+        """
+        if not model.starts:
+            return None
+        known, usual = np.isfinite(model.target), (model.scales.coordinate, model.scales.coordinate / model.scales.time)
+        plain, n = model.run_rows(row[None])[0], model.pieces.start.shape[1]
+        moved = np.stack([_moved(model, k, SMALL * usual[2 * k // n]).run_rows(row[None])[0] - plain for k in range(n)], -1)
+        moved = np.where(known[..., None] & np.isfinite(moved), moved / sigma[:, None], 0.0)
+        pieces = zip(model.pieces.first, model.pieces.stop, strict=True)
+        return cls(tuple((int(a), int(b), _basis(moved[a:b].reshape(-1, n))) for a, b in pieces), sigma, known)
+
+    def beside(self, y: np.ndarray) -> np.ndarray:
+        """Readings or differences of them, (..., n, channels), less what other initial states make of them; n may end early."""
+        left = np.where(self.known[: y.shape[-2]], y, 0.0) / self.sigma
+        for first, stop, basis in self.parts:
+            if stop <= y.shape[-2]:
+                part = left[..., first:stop, :]
+                flat = part.reshape(*y.shape[:-2], len(basis))
+                left[..., first:stop, :] = (flat - (flat @ basis) @ basis.T).reshape(part.shape)
+        return np.where(self.known[: y.shape[-2]], left * self.sigma, y)
+
+
+def _moved(model: Model, which: int, by: float) -> Model:
+    """The same with one coordinate or rate of every start moved."""
+    other, start = copy(model), model.pieces.start.copy()
+    start[:, which] += by
+    other.pieces = replace(model.pieces, start=start)
+    return other
+
+
+def _basis(columns: np.ndarray) -> np.ndarray:
+    """(m, r) orthonormal basis of what columns (m, n) span, each of them of its own size."""
+    length = np.linalg.norm(columns, axis=0)
+    left, size, _ = np.linalg.svd(columns / np.where(length > 0.0, length, 1.0), full_matrices=False)
+    return left[:, size > TELLING * max(size.max(), 1e-300)]
