@@ -201,6 +201,20 @@ def test_what_was_sent_again_is_left_out():
     assert np.isfinite(fresh(coarse).readings).all()  # says the same twice by right
 
 
+def test_a_slow_sensor_says_something_new_when_it_does():
+    readings = np.repeat(np.sin(0.1 * np.arange(200)), 5)[:, None]
+    left = fresh(Record(np.zeros((1000, 1)), readings, STEP, ("a",))).readings
+    assert np.array_equal(np.flatnonzero(np.isfinite(left[:, 0])), np.arange(0, 1000, 5))
+
+
+@pytest.mark.parametrize("seen", [
+    np.maximum(np.sin(0.002 * np.arange(5000)), 0.3),  # rests on a stop
+    np.interp(1.06 * np.arange(4700), np.arange(5000), np.round(np.sin(0.006 * np.arange(5000)), 3)),  # coarse, and resampled
+])  # fmt: skip
+def test_what_stands_still_is_not_sent_again(seen):
+    assert np.isfinite(fresh(Record(np.zeros((len(seen), 1)), seen[:, None], STEP, ("a",))).readings).all()
+
+
 @given(st.integers(1, 4), st.floats(0.0, 0.2))
 def test_a_held_command_is_late_by_half_of_what_it_is_held_for(substeps, hold):
     time = STEP * np.arange(400)

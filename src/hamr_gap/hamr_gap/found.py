@@ -125,7 +125,10 @@ def in_words(effects: tuple[Candidate, ...], joints: tuple[str, ...]) -> str:
 
 def _simulation(analysis: Analysis) -> dict:
     model = analysis.prepared.weighed.model
-    return {"substeps": model.substeps, "mean": model.mean, "held": model.record.held, "step": model.record.step, "delay": model.delay}
+    record = model.record
+    return {
+        "substeps": model.substeps, "mean": model.mean, "held": record.held, "step": record.step, "delay": model.delay, "piece": model.piece
+    }  # fmt: skip
 
 
 def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:

@@ -69,7 +69,7 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     parts = [part for start, stop in record.stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
     first, stop, lead = np.array(parts, int).reshape(-1, 3).T
     still = record.rest & np.isin(first, [-(-start // mean) for start, _ in record.stretches])
-    known = still | (measured(machine, record, first * mean) & measured(machine, record, (first - lead) * mean))
+    known = forgotten | still | (measured(machine, record, first * mean) & measured(machine, record, (first - lead) * mean))
     if known.any():
         first, stop, lead, still = first[known], stop[known], lead[known], still[known]
     before, start = (np.where(still[:, None], 0.0, moving(machine, record, at * mean)) for at in (first - lead, first))

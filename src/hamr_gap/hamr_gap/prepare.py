@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from .hypothesis import Hypothesis, judge, left_of
 from .initial_states import InitialStates
 from .model import BAND, Model, scales_of
 from .parameters import changes
-from .pieces import telling
+from .pieces import MANY, telling
 from .record import Record, fresh, noise_of
 from .roles import Roles, mask, roles_of
 from .weighed import Weighed
@@ -23,6 +24,7 @@ FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
 HELD = 1.2
 ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which another start is worth its time
+ASTRAY = 0.2  # of a sensor's motion: a re-tuned free run that is off by more, from an unknown start, is lost, and shorter ones serve
 TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
 
 
@@ -59,8 +61,10 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     # between samples a drive was smooth, or held: what fits better was the case
     noise = noise_of(record.readings) if noise is None else noise
     ways = (False, True) if record.drives_per_reading == 1 else (True,)
-    tried = [_tuned(machine, replace(record, held=held), noise) for held in ways]
-    weighed, found, roles = min(tried, key=lambda t: _surprise(t[0].model.record) * np.sum((_rms(t[0], t[1].reading) / noise) ** 2))
+    weighed, found, roles = _best([_tuned(machine, replace(record, held=held), noise) for held in ways], noise)
+    if not record.rest and not weighed.model.starts and (_rms(weighed, found.reading) > ASTRAY * np.nanstd(record.readings, axis=0)).any():
+        piece = min(telling(machine), record.span / MANY)
+        weighed, found, roles = _best([_tuned(machine, replace(record, held=held), noise, piece) for held in ways], noise)
     if weighed.model.pieces is None and np.max(_rms(weighed, found.reading) / weighed.sigma) > ROUGH:
         found = _led_by_pieces(weighed, found, roles)
     model, substeps = weighed.model, weighed.model.substeps
@@ -83,15 +87,20 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, stale)
 
 
+def _best(tried: Sequence[tuple[Weighed, Fit, Roles]], noise: np.ndarray) -> tuple[Weighed, Fit, Roles]:
+    """The re-tuned model that leaves least."""
+    return min(tried, key=lambda t: _surprise(t[0].model.record) * np.sum((_rms(t[0], t[1].reading) / noise) ** 2))
+
+
 def _surprise(record: Record) -> float:
     """By how much less must be left of a drive held between samples, where the driver is known to be faster than that."""
     return HELD if record.held and record.hold else 1.0
 
 
-def _tuned(machine: Machine, record: Record, noise: np.ndarray) -> tuple[Weighed, Fit, Roles]:
-    """A re-tuned model with as few steps as it bears."""
+def _tuned(machine: Machine, record: Record, noise: np.ndarray, piece: float = 0.0) -> tuple[Weighed, Fit, Roles]:
+    """A re-tuned model with as few steps as it bears, and pieces of T if it is not to choose."""
     mean = max(1, int(1.0 / (record.step * machine.to_si["T"] * BAND)))
-    model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record))
+    model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record), piece)
     roles = roles_of(model, machine.to_si["T"])
     alone = len(machine.joints) == 1
     gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)

@@ -15,6 +15,8 @@ from hamr_description.errors import BagError
 
 JUMP = 3.0  # a step of the drive this many times the usual one and its neighbours is a jump
 NEAR = 5  # samples in which it has neighbours
+SELDOM = 0.02  # of all repeats, that other steps are more than if not all is repeated
+CATCHES_UP = 0.6  # of the usual step, that steps after repeated samples are at least if those were old ones
 
 
 @dataclass(frozen=True)
@@ -108,12 +110,20 @@ def joined(records: Sequence[Record]) -> Record:
 def fresh(record: Record) -> Record:
     """The record without samples that repeat the one before in every channel: whoever sent them had nothing new.
 
-    Sensors with coarse steps may say the same twice; where all are such, all stays.
+    Sensors with coarse steps may say the same twice; where all are such, all stays. So it does where the steps after repeats are small:
+    then the machine stood still, or coarse readings were resampled, while what was kept back catches up with a step as large as any.
     """
     if all(rounding(column) > 0.0 for column in record.readings.T):
         return record
-    stale = np.append(False, (np.diff(record.readings, axis=0) == 0.0).all(1))
-    return replace(record, readings=np.where(stale[:, None], np.nan, record.readings))
+    step = np.abs(np.diff(record.readings, axis=0))
+    same = (step == 0.0).all(1)
+    after = np.append(False, same[:-1]) & ~same
+    usual = ~same & ~after & np.isfinite(step).all(1)
+    if usual.sum() > SELDOM * same.sum():  # or all is sent several times, by a sensor slower than its clock
+        caught_up = np.nanmedian(step[after], axis=0) if after.any() else 0.0
+        if np.mean(caught_up / np.median(step[usual], axis=0)) < CATCHES_UP:
+            return record
+    return replace(record, readings=np.where(np.append(False, same)[:, None], np.nan, record.readings))
 
 
 def resampled(u: np.ndarray, substeps: int, *, within: float) -> np.ndarray:

@@ -45,23 +45,32 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
     dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
     if model.pieces is not None and len(model.pieces) >= len(TURNS):
         return _by_piece(model.pieces, n, dead)
-    cycles = max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
-    turns = CYCLE * cycles
-    begin = 0 if model.record.rest else dead
-    useful = n - begin - dead * sum(a != b for a, b in pairwise(turns))
+    there = np.flatnonzero(_telling(model, dead))
+    turns = CYCLE * max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
+    useful = len(there) - dead * sum(a != b for a, b in pairwise(turns))
     if useful < FEWEST:
         raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
     roles = {name: np.zeros(n, bool) for name in SHARES}
-    at, before = float(begin), turns[0]
+    at, before = 0.0, turns[0]
     for name in turns:
         at += dead * (name != before)
         end = at + SHARES[name] * useful / turns.count(name)
-        roles[name][round(at) : round(end)] = True
+        roles[name][there[round(at) : round(end)]] = True
         at, before = end, name
-    for start in () if model.pieces is None or model.record.rest else model.pieces.first:
-        for part in roles.values():
-            part[start : start + dead] = False
     return Roles(**roles)
+
+
+def _telling(model: Model, dead: int) -> np.ndarray:
+    """(n,) readings that can serve: those of the pieces, but where what runs from a guess has not forgotten it."""
+    there = np.ones(len(model.target), bool)
+    if model.pieces is not None:
+        there[:] = False
+        for start, stop in zip(model.pieces.first, model.pieces.stop, strict=True):
+            there[start:stop] = True
+    if not model.record.rest:
+        for start in (0,) if model.pieces is None else model.pieces.first:
+            there[start : start + dead] = False
+    return there
 
 
 def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:

@@ -74,7 +74,7 @@ def _model(machine: Machine, found: Found, record: Record, piece: float = 0.0) -
     substeps = max(1, round(how["substeps"] * record.step / how["step"] / per)) * per
     mean = max(1, round(how["mean"] * how["step"] / record.step))
     held = replace(record, held=how["held"])
-    return Model(machine, held, substeps, mean, scales_of(machine, held), piece, found.simulation["delay"])
+    return Model(machine, held, substeps, mean, scales_of(machine, held), piece or how["piece"], how["delay"])
 
 
 def _settled(model: Model) -> np.ndarray:
