@@ -22,6 +22,7 @@ FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
 FLOOR_ERROR = 0.03  # of what noise leaves, which is an estimate
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
+SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
 #: t over blocks by which each effect beyond the first must leave less, or a name than its special case: what it adds may be luck in a few.
 THROUGHOUT = 2.0
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
@@ -60,6 +61,8 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
             price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
             price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
+            taken = min(((best[few].left - h.left) / gap for few in best if few < names), default=1.0)
+            price += SHARPNESS * max(0.0, np.log(SMALL / max(taken, FORM_ERROR)))
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))
     # a law outside the library competes with the first names by what they leave, whatever their price
     first = max((s for *_, s in found), default=0.0)
