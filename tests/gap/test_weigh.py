@@ -57,6 +57,13 @@ def test_a_second_effect_must_earn_its_place_but_does_not_make_the_law_unknown()
     assert pair["unknown"] < 0.02
 
 
+def test_a_second_effect_that_takes_little_away_may_be_anything():
+    """Both leave six times less than the first alone, of a large part of the gap and of a small one."""
+    large = weights(coulomb_friction=0.06, coulomb_friction__drive_lag=0.01)
+    small = weights(coulomb_friction=0.006, coulomb_friction__drive_lag=0.001)
+    assert first(large) == "coulomb_friction__drive_lag" and first(small) == "coulomb_friction"
+
+
 def test_a_name_must_leave_less_throughout_than_its_special_case():
     assert "stribeck_friction" not in weights(coulomb_friction=0.01, stribeck_friction=0.01)
     assert weights(coulomb_friction=0.01, stribeck_friction=0.0001)["stribeck_friction"] > 0.9

@@ -13,11 +13,12 @@ from .weighed import Weighed
 
 SHARED = 1.0  # rms in noise of a sample, that both sensors of a joint must show
 OFTEN = 0.2  # of the blocks, in which they must: a hit that the model has a little late is no law
-ALONE = 3.0  # rms in noise of a reading, that one sensor must show in half of the blocks
+#: Rms in noise of a reading, that one sensor must show in half of the blocks: no coloured noise is so much larger than its white part.
+ALONE = 10.0
 
 
 def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
-    """Whether both sensors of a joint show the same beside a fit; where no joint has two, whether one shows what no noise is."""
+    """Whether both sensors of a joint show the same beside a fit; where no joint has two, whether they show far more than noise."""
     both = shared(weighed, judged, found)
     if not len(both):
         return float(np.median(left_of(weighed, judged, found.reading)[1])) > ALONE**2
