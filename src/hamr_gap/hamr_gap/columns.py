@@ -114,18 +114,18 @@ def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | fl
         return x * _factor(machine, roles[role], unit or _split(own)[1], f"column '{name}' of {path}")
 
     rows = len(next(iter(table.values()))[1])
-    used = np.column_stack([np.full(rows, float(x)) if _number_in(x := columns.get(role)) else column(role) for role in drives])
+    used = np.column_stack([np.full(rows, float(x)) if _is_number(x := columns.get(role)) else column(role) for role in drives])
     readings = {name: x for name in machine.channels if (x := column(name)) is not None}
     if missing := [joint for joint in machine.channels[: len(machine.joints)] if joint not in readings]:
         raise BagError(f"{path} has no column for the sensor {missing[0]}; it has {', '.join(table)}: name it so, or map it.")
-    if _number_in(columns.get("time")):
+    if _is_number(columns.get("time")):
         step, breaks = float(columns["time"]) / machine.to_si["T"], ()
     else:
         step, breaks = _clock(column("time"), path)
     return Record(used, np.column_stack(list(readings.values())), step, tuple(readings), rest=False, breaks=breaks)
 
 
-def _number_in(x: object) -> bool:
+def _is_number(x: object) -> bool:
     return isinstance(x, int | float)
 
 

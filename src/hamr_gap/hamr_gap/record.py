@@ -121,7 +121,7 @@ def fresh(record: Record) -> Record:
     usual = ~same & ~after & np.isfinite(step).all(1)
     if usual.sum() > SELDOM * same.sum():  # or all is sent several times, by a sensor slower than its clock
         caught_up = np.nanmedian(step[after], axis=0) if after.any() else 0.0
-        if np.mean(caught_up / np.median(step[usual], axis=0)) < CATCHES_UP:
+        if np.mean(caught_up / np.maximum(np.median(step[usual], axis=0), 1e-300)) < CATCHES_UP:
             return record
     return replace(record, readings=np.where(np.append(False, same)[:, None], np.nan, record.readings))
 
