@@ -32,6 +32,7 @@ from hamr_gap.progress import side_by_side
 from hamr_gap.record import Record
 from hamr_gap.screen import screen
 from hamr_gap.table import fit_table
+from hamr_gap.words import sentences
 
 STEP = 1e-3
 HZ = 4000
@@ -114,6 +115,16 @@ def verdict(name: str, *answers: tuple[str, float]) -> SimpleNamespace:
         "experiment": None,
     }
     return SimpleNamespace(verdict=content, tried=[])
+
+
+def test_of_an_unknown_law_what_comes_nearest_is_said():
+    rows = [("lag + drag", 2, 0.4), ("lag", 1, 0.5), ("drag", 1, 0.9), ("lag + drag + play", 3, 0.45)]
+    own = {"verdict": "unknown", "added": [], "tried": [dict(zip(("effects", "count", "left"), row, strict=True)) for row in rows]}
+    found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9}], "machines": {"arm": own}}
+    found |= {"refused": {}, "experiment": None}
+    nearest = "What comes nearest at arm: lag leaves 50 % of the gap; lag + drag leaves 40 % of the gap."
+    assert nearest in sentences(found)
+    assert nearest not in sentences(found | {"machines": {"arm": own | {"verdict": "named"}}})
 
 
 def test_legs_answer_together_and_the_least_certain_one_sets_the_tone():

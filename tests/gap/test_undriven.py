@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from hamr_dynamics.machine import Machine, Terms
 from hamr_dynamics.scalar import cos, sin
 from hamr_gap.analyse import analyse
 from hamr_gap.columns import record_of
-from hamr_gap.hypothesis import left_of
 from hamr_gap.initial_states import InitialStates
 from hamr_gap.model import Model, scales_of
 from hamr_gap.plants import load
@@ -79,16 +77,6 @@ def test_what_no_name_explains_is_not_closed_by_parameters():
     """Gusts of wind: there is one sensor, but no noise is like that."""
     verdict = analyse(pendulum(), swinging(30.0, gusts=0.5)).verdict
     assert verdict.verdict == "unknown" and verdict.gap.retuned > 10.0
-
-
-def test_a_bent_scale_does_not_spoil_whole_pieces():
-    """It bends the rates at which they start, and an oscillator keeps that to the end."""
-    prepared = prepare(pendulum(), swinging(30.0, bent=4e-3, damping=0.08))
-    weighed, fit = prepared.weighed, prepared.base.fit
-    assert prepared.base.left < 0.2 * left_of(replace(weighed, initial=None), prepared.judged, fit.reading)[0]
-    value = dict(zip((f.row for f in fit.free), (x * f.scale for f, x in zip(fit.free, fit.x, strict=True)), strict=True))
-    inertia = INERTIA + value["change.inertia.0"]
-    assert (DAMPING + value["change.damping.0"]) / inertia == pytest.approx(0.08, rel=0.02)
 
 
 @pytest.fixture(scope="module")

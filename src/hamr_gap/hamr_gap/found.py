@@ -31,7 +31,7 @@ class Found:
 
     Attributes:
         verdict: `verdict.Verdict` as plain values, and `added`: the effects that close the gap (those of the first answer, or a table).
-        tried: [{"effects", "left"}], what each name left of the gap, least first.
+        tried: [{"effects", "count", "left"}], what each name left of the gap, least first.
         simulation: substeps, mean, held and step of the simulation it rests on.
         arrays: `rows.STATE` (R,) lane parameters; `bias.STATE`, `gain.STATE` (C,), `shift.STATE` ();
             `report` (n,) readings that nothing has used; `experiment` (m, joints) drives that would decide, if ambiguous.
@@ -112,10 +112,15 @@ def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | N
 
 
 def _tried(analysis: Analysis) -> list[dict]:
+    """What leaves least, and of each number of effects what leaves least."""
     state, joints = analysis.search, analysis.prepared.weighed.model.machine.joints
     gap = max(state.base.left - state.floor, 1e-12)
-    rows = [{"effects": in_words(h.effects, joints), "left": max(h.left - state.floor, 0.0) / gap} for h in state.by_names().values()]
-    return sorted(rows, key=lambda row: row["left"])[:TRIED]
+    found = sorted(state.by_names().values(), key=lambda h: h.left)
+    first = {len(h.effects): h for h in reversed(found)}
+    return [
+        {"effects": in_words(h.effects, joints), "count": len(h.effects), "left": max(h.left - state.floor, 0.0) / gap}
+        for i, h in enumerate(found) if i < TRIED or h is first[len(h.effects)]
+    ]  # fmt: skip
 
 
 def in_words(effects: tuple[Candidate, ...], joints: tuple[str, ...]) -> str:

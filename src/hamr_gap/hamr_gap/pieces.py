@@ -19,7 +19,7 @@ from .record import Record, noise_of
 FORGETS = 0.1  # of a record: a machine whose slowest decay takes longer runs in pieces
 SECONDS = 1.0  # of a piece of a machine that does not swing, at most
 MANY = 32  # pieces there should be
-FEW = 12  # of a machine that swings on and on: friction takes time to show
+FEW = 16  # of a machine that swings on and on: friction takes time to show
 FEWEST = 40  # readings of a piece
 RUN_IN = 0.2  # of a piece
 ORDER = 3  # of the local polynomials

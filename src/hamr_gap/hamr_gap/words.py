@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from .table import TABLE
 
@@ -30,6 +30,7 @@ def sentences(found: Mapping) -> list[str]:
         f"What acts there, as a table: {e['form'].replace('_', ' ')} at {', '.join(e['joints'])} (in the report and the effects file)."
         for e in tables
     ]
+    said += [f"What comes nearest at {name}: {_nearest(own['tried'])}." for name, own in found["machines"].items() if _lacks(own)]
     if shown := found.get("shown"):
         over, share = shown["over_floor"], shown["closed"]
         after = f", {over['after']:.2f} with what was found" if found["set"] else ""
@@ -43,6 +44,19 @@ def sentences(found: Mapping) -> list[str]:
     for name, experiment in (found["experiment"] or {}).items():
         said.append(f"What would decide about {name}: {experiment['sentence']}")
     return said
+
+
+def _lacks(own: Mapping) -> bool:
+    return own["verdict"] == "unknown" and bool(own["tried"])
+
+
+def _nearest(tried: Sequence[Mapping]) -> str:
+    """What the best one effect, the best two and so on leave of the gap, while more leave less."""
+    best: list[Mapping] = []
+    for row in sorted(tried, key=lambda row: (row["count"], row["left"])):
+        if not best or (row["count"] > best[-1]["count"] and row["left"] < best[-1]["left"]):
+            best.append(row)
+    return "; ".join(f"{row['effects']} leaves {100 * row['left']:.0f} % of the gap" for row in best)
 
 
 def _smallest(detectable: Mapping[str, Mapping[str, str]]) -> str:

@@ -177,9 +177,10 @@ def _forms(state: Search, answer: Hypothesis) -> dict[str, float]:
 def _tried(state: Search) -> list[dict]:
     gap = max(state.base.left - state.floor, 1e-12)
     rows = [
-        {"effects": " + ".join(f"{c.effect} ({c.place})" for c in h.effects), "left": max(h.left - state.floor, 0.0) / gap}
+        {"effects": " + ".join(f"{c.effect} ({c.place})" for c in h.effects), "count": len(h.effects),
+         "left": max(h.left - state.floor, 0.0) / gap}
         for h in state.by_names().values()
-    ]
+    ]  # fmt: skip
     return sorted(rows, key=lambda row: row["left"])
 
 
