@@ -60,7 +60,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     given, record = record, fresh(record)
     # between samples a drive was smooth, or held: what fits better was the case
     noise = noise_of(record.readings) if noise is None else noise
-    ways = (False, True) if record.drives_per_reading == 1 else (True,)
+    ways = (False, True) if record.drives_per_reading == 1 and record.driven.any() else (True,)
     weighed, found, roles = _best([_tuned(machine, replace(record, held=held), noise) for held in ways], noise)
     if not record.rest and not weighed.model.starts and (_rms(weighed, found.reading) > ASTRAY * np.nanstd(record.readings, axis=0)).any():
         piece = min(telling(machine), record.span / MANY)
