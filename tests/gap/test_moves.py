@@ -145,34 +145,34 @@ def test_a_shift_of_the_clocks_in_the_model_is_that_of_its_sensors(rubbing):
     assert np.abs(after - before)[5:-5].max() < 0.1 * rubbing.noise.min()
 
 
-@pytest.mark.parametrize("level", [0.03, 0.05, 0.1])
-def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing, monkeypatch, level):
-    """Dry friction that changes its sign at once looks rough from near by: a fit from there ends in 0.7 of the cost."""
+def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing, monkeypatch):
+    """Dry friction that changes its sign at once looks rough from near by: fits from there end in 0.7 of the cost.
+
+    Over many starts, as each end hangs on the last bit of its start.
+    """
     effects = (Candidate("coulomb_friction", "sign", (0,)),)
     free = (*rubbing.base.fit.free, *effect_parameters(effects, rubbing.weighed.model.scales))
-    x = np.array([*rubbing.base.fit.x, level, 1e-3])
     moving = rubbing.weighed.chosen.copy()
     moving[:150] = False  # let go from rest it slides one way only
     weighed = replace(rubbing.weighed, chosen=moving)
-    coarse = fit(weighed, free, x)
+    starts = [np.array([*rubbing.base.fit.x, level, 1e-3]) for level in np.geomspace(0.03, 0.1, 16)]
+    coarse = [fit(weighed, free, x).cost for x in starts]
     monkeypatch.setattr("hamr_gap.fit.FORESEEN", np.inf)
-    fine = fit(weighed, free, x)
-    assert coarse.cost < 0.8 * fine.cost
+    fine = [fit(weighed, free, x).cost for x in starts]
+    assert sum(coarse) < 0.8 * sum(fine)
 
 
 def test_steps_beyond_newtons_lead_on_along_what_sticks_and_slips(monkeypatch):
-    effects = (Candidate("stribeck_friction", "lugre", (0,)),)
-    costs = {"beyond": 0.0, "capped": 0.0}
-    for level, excess, speed, distance in ((0.02, 0.03, 0.01, 0.004), (0.05, 0.05, 0.02, 0.006)):
-        rows = {"level.0": level, "excess.0": excess, "speed.0": speed, "distance.0": distance, "sharpness.0": 1.0, "damper.0": 0.3}
-        sticking = prepare(machine_of("simple", "fl"), shaken("stribeck_friction.lugre", rows))
-        free = (*sticking.base.fit.free, *effect_parameters(effects, sticking.weighed.model.scales))
-        for share in (0.1, 1.0):
-            x = np.array([*sticking.base.fit.x, *(f.center or share * f.sd / 30 for f in free[len(sticking.base.fit.x) :])])
-            for way, trials in (("beyond", TRIALS), ("capped", np.minimum(TRIALS, 1.0))):
-                monkeypatch.setattr("hamr_gap.fit.TRIALS", trials)
-                costs[way] += fit(sticking.weighed, free, x).cost
-    assert costs["beyond"] < 0.9 * costs["capped"]
+    """Of many starts three times as many find the best there is."""
+    stuck = prepare(machine_of("simple", "fl"), shaken("coulomb_friction.presliding", {"level.0": 0.01, "distance.0": 0.004}))
+    free = (*stuck.base.fit.free, *effect_parameters((FRICTION,), stuck.weighed.model.scales))
+    added, shares = free[len(stuck.base.fit.x) :], np.geomspace(0.05, 2.7, 32)
+    starts = [np.array([*stuck.base.fit.x, *(f.center or share * f.sd / 30 for f in added)]) for share in shares]
+    beyond = np.array([fit(stuck.weighed, free, x).cost for x in starts])
+    monkeypatch.setattr("hamr_gap.fit.TRIALS", np.minimum(TRIALS, 1.0))
+    capped = np.array([fit(stuck.weighed, free, x).cost for x in starts])
+    found = 1.05 * min(beyond.min(), capped.min())
+    assert np.sum(beyond < found) > 1.5 * np.sum(capped < found)
 
 
 def test_no_sensor_changes_its_scale_to_mend_a_wrong_model():

@@ -1,0 +1,100 @@
+"""Friction and damping against closed forms."""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sin
+
+import numpy as np
+import pytest
+from stepped_laws import H, free_decay, parameters
+
+from hamr_dynamics.effects.dragged import dragged
+from hamr_dynamics.effects.law import Joint
+from hamr_dynamics.effects.library import find
+
+
+def test_coulomb_friction_takes_the_same_amplitude_every_turn():
+    """4 F / k."""
+    tops, _ = free_decay("coulomb_friction", "sign", 8, level=0.02, width=1e-4)
+    assert -np.diff(tops) == pytest.approx(np.full(8, 0.08), rel=0.01)
+    tops, _ = free_decay("coulomb_friction", "presliding", 8, level=0.02, distance=1e-3)
+    assert -np.diff(tops) == pytest.approx(np.full(8, 0.08), rel=0.02)
+    tops, _ = free_decay("coulomb_friction", "asymmetric", 8, level=0.02, difference=0.01, width=1e-4)
+    assert -np.diff(tops) == pytest.approx(np.full(8, 0.08), rel=0.01)  # 2 (F+ + F-) / k
+    tops, _ = free_decay("stribeck_friction", "lorentzian", 3, level=0.02, excess=0.05, speed=1e-4, width=1e-5)
+    assert -np.diff(tops) == pytest.approx(np.full(3, 0.08), rel=0.02)  # the excess is gone when it slides
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize(("effect", "given", "slow", "fast"), [
+    ("coulomb_friction", {"level": 0.02}, 0.02, 0.02),
+    ("stribeck_friction", {"level": 0.02, "excess": 0.03, "speed": 0.1}, 0.05, 0.02),
+])  # fmt: skip
+def test_bristles_slide_at_their_limit_and_creep_back(effect, given, slow, fast, sharpness):
+    """Slowly at the breakaway force, fast at the level, both ways; turned back they bear less by their stiffness times the way."""
+    law, h, distance = find(effect, "lugre"), 1e-3, 1e-3
+    p = parameters(law, damper=0.0, distance=distance, sharpness=sharpness, **given)
+
+    def pulled(v: float, steps: int, z: tuple) -> tuple[float, tuple]:
+        for _ in range(steps):
+            push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
+        return float(push.force), z
+
+    for way in (1.0, -1.0):
+        force, z = pulled(way * 2e-3, 20_000, (0.0, 0.0))
+        assert force == pytest.approx(-way * slow, rel=1e-3)
+        back, _ = pulled(-way * 2e-3, 1, z)
+        # twice, where what slid forward now bends back
+        assert back - force == pytest.approx(way * slow * (2.0 - sharpness) * 2e-3 * h / distance, rel=0.01)
+        assert pulled(way * 5.0, 200, (0.0, 0.0))[0] == pytest.approx(-way * fast, rel=1e-3)
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("effect", ["coulomb_friction", "stribeck_friction"])
+def test_a_damper_in_the_bristles_damps_what_sticks_and_not_what_slides(effect, sharpness):
+    """A spring beside a damper at small amplitude; its derivative for the implicit step is that of the force."""
+    law, h = find(effect, "lugre"), 1e-4
+    p = parameters(law, damper=0.3, distance=0.1, level=0.02, sharpness=sharpness)
+    z, omega, found = (0.0, 0.0), 50.0, 0.0j
+    for k in range(8 * round(2 * pi / omega / h)):
+        v = 1e-5 * omega * cos(omega * k * h)  # far below the distance
+        push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
+        found -= float(push.force) * (sin(omega * k * h) + 1j * cos(omega * k * h)) * 2 * h * omega / (16 * pi)
+    assert found / 1e-5 == pytest.approx(0.02 / 0.1 + 1j * 0.3 * omega, rel=0.02)
+    for _ in range(20_000):
+        push, z = law.law(Joint(0.0, 1.0, 0.0, 1.0, 1.0, 0.0, h, 9.0), p, z)
+    assert float(push.force) == pytest.approx(-0.02, rel=1e-3)
+    for v in (0.2, -0.2):
+        ahead, near = (
+            law.law(Joint(0.0, v + d, 0.0, 1.0, 1.0, 0.0, h, 9.0), p | {"level": np.float64(0.0)}, (0.4, 0.4))[0] for d in (1e-6, -1e-6)
+        )
+        slope = -(float(ahead.force) - float(near.force)) / 2e-6
+        assert float(near.damping) == pytest.approx(slope, rel=1e-3)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 50.0])
+def test_what_is_dragged_follows_the_exact_curve(share):
+    """z = limit - (limit - z0) exp(-way / (length limit)), in steps that are a share of the length: to second order, however long."""
+    length, limit, way = 0.4, 0.7, 0.8
+    steps = max(1, round(way / (share * length)))
+    for sign in (1.0, -1.0):
+        z = 0.3 * sign
+        for _ in range(steps):
+            z, _ = dragged(z, -sign * max(way / steps, share * length), length, limit)
+        exact = -limit + (limit + 0.3) * exp(-max(way, steps * share * length) / (length * limit))
+        assert sign * z == pytest.approx(exact, abs=min(0.06 * share**2, 6e-3))
+        ahead, behind, slope = (dragged(0.3, sign * 0.2 + d, length, limit) for d in (1e-6, -1e-6, 0.0))
+        assert slope[1] == pytest.approx((ahead[0] - behind[0]) / 2e-6, rel=1e-5)
+
+
+def test_quadratic_damping_decays_as_a_hyperbola():
+    """1/A grows by 8 c / (3 m) a turn."""
+    tops, _ = free_decay("quadratic_damping", "square", 8, coefficient=0.01)
+    assert np.diff(1.0 / tops) == pytest.approx(np.full(8, 8 * 0.01 / 3), rel=0.02)
+
+
+@pytest.mark.parametrize(("form", "given"), [("polynomial", {"curvature": -3.0}), ("local", {"extra": -3.0, "width": 5.0})])
+def test_damping_that_depends_on_the_angle_leaves_none_rather_than_drive(form, given):
+    law = find("configuration_dependent_damping", form)
+    push, _ = law.law(Joint(1.0, 2.0, 0.0, 1.0, 1.0, 0.0, H, 0.4), parameters(law, **given), ())
+    assert push.damping == -0.4 and push.force == 0.4 * 2.0

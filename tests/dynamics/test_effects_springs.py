@@ -1,0 +1,107 @@
+"""Springs, what relaxes, play and stops: against closed forms, and forces against the potentials that they come from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from stepped_laws import H, free_decay, modulus, parameters
+
+from hamr_dynamics.effects.law import Joint, Pair
+from hamr_dynamics.effects.library import find
+
+
+@pytest.mark.parametrize("cubic", [0.02, -0.02])
+def test_a_cubic_spring_shifts_the_resonance_with_the_amplitude(cubic):
+    """By 3/8 k3 A^2 / k of it, against the linear spring with the same steps."""
+    (_, linear), (_, hard) = (free_decay("cubic_stiffness", "cubic", 10, cubic=x) for x in (0.0, cubic))
+    assert hard / linear - 1.0 == pytest.approx(3 / 8 * cubic, rel=0.02)
+
+
+def test_structural_damping_loses_the_same_at_every_frequency():
+    losses = [modulus("structural_damping", "ladder", omega, loss=0.1, time=1.0).imag for omega in (0.2, 0.5, 1.0, 2.0, 5.0)]
+    assert losses == pytest.approx([0.1] * 5, rel=0.06)
+
+
+def test_a_relaxing_spring_has_the_modulus_of_a_maxwell_element():
+    for omega in (0.3, 1.0, 3.0):
+        found, exact = modulus("viscoelasticity", "maxwell", omega, stiffness=0.2, time=1.0), 0.2 * omega * 1j / (1 + omega * 1j)
+        assert abs(found - exact) < 0.02 * abs(exact)
+
+
+def test_two_relaxing_springs_have_the_modulus_of_a_prony_series():
+    for omega in (0.05, 0.3, 2.0):
+        found = modulus("viscoelasticity", "two", omega, fast=0.2, slow=0.1, short=1.0, long=20.0)
+        exact = 0.2 * omega * 1j / (1 + omega * 1j) + 0.1 * 20.0 * omega * 1j / (1 + 20.0 * omega * 1j)
+        assert abs(found - exact) < 0.02 * abs(exact)
+
+
+def test_play_leaves_the_actuators_spring_out_and_stops_never_pull():
+    law = find("backlash")
+    push, _ = law.law(Joint(0.01, 0.0, 0.0, 2.0, 1.0, 0.0, H, 9.0), parameters(law, play=0.02, share=0.7), ())
+    assert push.force == pytest.approx(0.7 * 2.0 * 0.01)  # takes back the share of the spring
+    push, _ = law.law(Joint(1.0, 0.0, 0.0, 2.0, 1.0, 0.0, H, 9.0), parameters(law, play=0.02, share=0.7), ())
+    assert push.force == pytest.approx(0.7 * 2.0 * 0.02)
+    stop = find("end_stop", "both")
+    p = parameters(stop, stiffness=5.0, limit=0.3, damping=10.0)
+    for q, v, force in ((0.2, 5.0, 0.0), (0.4, 0.0, -0.5), (-0.4, 0.0, 0.5), (0.4, -5.0, 0.0)):
+        assert stop.law(Joint(q, v, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, ())[0].force == pytest.approx(force)
+
+
+@pytest.mark.parametrize(("form", "energy"), [
+    ("well", lambda q, p: -p["depth"] / (1.0 + ((q - p["centre"]) / p["width"]) ** 2)),
+    ("valley", lambda q, p: p["stiffness"] * p["width"] ** 2 * np.sqrt(1.0 + ((q - p["centre"]) / p["width"]) ** 2)),
+])  # fmt: skip
+@pytest.mark.parametrize("q", [-1.5, -0.2, 0.4, 2.0])
+def test_local_springs_are_gradients_too(form, energy, q):
+    law, eps = find("configuration_dependent_stiffness", form), 1e-4
+    p = parameters(law, centre=0.3, width=0.5) | {law.sizes[0].name: np.float64(0.7)}
+    push, _ = law.law(Joint(q, 0.0, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, ())
+    assert push.force == pytest.approx(-(energy(q + eps, p) - energy(q - eps, p)) / (2 * eps), abs=1e-7)
+    assert push.stiffness == pytest.approx((energy(q + eps, p) - 2 * energy(q, p) + energy(q - eps, p)) / eps**2, abs=1e-6)
+
+
+def pair(q, v=(0.0, 0.0), drive=(0.3, -0.2)) -> Pair:
+    return Pair(tuple(q), tuple(v), drive, (1.5, 0.8), (1.0, 1.0), H)
+
+
+def transmission_energy(q, p) -> float:
+    """Springs on the actuators' side and drive, with the map, less the same without it."""
+    (s, r), total = q, 0.0
+    for i, k in enumerate((1.5, 0.8)):
+        powers = ((2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
+        travel = q[i] + sum(p[f"a{i + 1}_{a}{b}"] * s**a * r**b for a, b in powers)
+        spring = p[f"share{i + 1}"] * k
+        total += 0.5 * spring * (travel**2 - q[i] ** 2) - (0.3, -0.2)[i] * (travel - q[i])
+    return total
+
+
+def stiffness_energy(q, p) -> float:
+    return sum(value * q[0] ** int(name[1]) * q[1] ** int(name[2]) for name, value in p.items())
+
+
+@pytest.mark.parametrize(
+    ("effect", "form", "energy"),
+    [("configuration_dependent_transmission", "map", transmission_energy),
+     ("configuration_dependent_stiffness", "potential", stiffness_energy)],
+)  # fmt: skip
+def test_springs_are_gradients(effect, form, energy, rng):
+    law = find(effect, form)
+    p = {x.name: rng.uniform(0.1, 0.6) for x in law.parameters}
+    q, eps = np.array([0.3, -0.2]), 1e-5
+    push, _ = law.law(pair(q), p, ())
+    for i, step in enumerate(np.eye(2) * eps):
+        assert push.force[i] == pytest.approx(-(energy(q + step, p) - energy(q - step, p)) / (2 * eps), rel=1e-6)
+
+
+def test_inertia_that_varies_does_no_work(rng):
+    """The velocity force takes from the motion what the mass matrix gains: v . f = - v dM/dt v / 2."""
+    law = find("configuration_dependent_inertia", "polynomial")
+    p = {x.name: rng.normal() for x in law.parameters}
+    q, v, eps = rng.normal(0, 0.3, 2), rng.normal(0, 1, 2), 1e-6
+
+    def mass(at):
+        m11, m12, m22 = law.law(pair(at), p, ())[0].mass
+        return np.array([[m11, m12], [m12, m22]])
+
+    rate = (mass(q + eps * v) - mass(q - eps * v)) / (2 * eps)
+    assert v @ law.law(pair(q, v), p, ())[0].force == pytest.approx(-0.5 * v @ rate @ v, rel=1e-6)
