@@ -12,8 +12,9 @@ from hamr_gap.bench.cases import LEG, load, make, number
 from hamr_gap.bench.other import file_of, measure_otherwise
 from hamr_gap.bench.second import folder_of, measure_again
 from hamr_gap.legs import machine_of
-from hamr_gap.model import scales_of
-from hamr_gap.record import joined, noise_of
+from hamr_gap.readings import noise_of
+from hamr_gap.record import joined
+from hamr_gap.scales import scales_of
 
 NAME = number("null", "development", 0)  # nothing hidden, nothing changed
 

@@ -9,9 +9,10 @@ import pytest
 
 from hamr_dynamics import machine_kernel
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model, scales_of
+from hamr_gap.model import Model
 from hamr_gap.parameters import changes
 from hamr_gap.record import Record
+from hamr_gap.scales import scales_of
 
 LEG = machine_of("simple", "fl")
 SUBSTEPS, MEAN = 2, 5

@@ -21,7 +21,8 @@ from hamr_gap.legs import machine_of
 from hamr_gap.moves import apart, at_both, look, singles
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
-from hamr_gap.record import Record, fresh
+from hamr_gap.readings import fresh
+from hamr_gap.record import Record
 from hamr_gap.sensors import Sensors
 from hamr_gap.simpler import narrowed, special_cases, without
 

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model, scales_of
+from hamr_gap.model import Model
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
+from hamr_gap.scales import scales_of
 from hamr_gap.search import Search, with_steps
 from hamr_gap.sensors import late
 from hamr_gap.staircase import staircase

@@ -14,10 +14,11 @@ from hamr_dynamics.scalar import cos, sin
 from hamr_gap.analyse import analyse
 from hamr_gap.columns import record_of
 from hamr_gap.initial_states import InitialStates
-from hamr_gap.model import Model, scales_of
+from hamr_gap.model import Model
 from hamr_gap.plants import load
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
+from hamr_gap.scales import scales_of
 
 INERTIA, WEIGHT, DAMPING = 0.0033, 0.21, 3e-4  # kg m^2, N m at a right angle, N m s: as a data sheet might say
 COUNT = 2.0 * math.pi / 40_000  # rad, of the encoder

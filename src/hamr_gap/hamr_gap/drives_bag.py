@@ -15,7 +15,8 @@ from hamr_description.numbers import value
 from hamr_description.rates import SERVO_HZ, SUBSTEPS, TARGET_NS
 from hamr_description.units import time_to_si
 
-from .record import Record, resampled
+from .record import Record
+from .resample import resampled
 
 
 def write_drives(drives: Mapping[str, np.ndarray], records: Mapping[str, Record], path: Path) -> None:

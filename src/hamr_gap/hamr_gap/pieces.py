@@ -14,7 +14,8 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
-from .record import Record, noise_of
+from .readings import noise_of
+from .record import Record
 
 FORGETS = 0.1  # of a record: a machine whose slowest decay takes longer runs in pieces
 SECONDS = 1.0  # of a piece of a machine that does not swing, at most

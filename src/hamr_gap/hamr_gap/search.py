@@ -12,7 +12,7 @@ from .fit import fit
 from .hypothesis import Hypothesis, refined, residual
 from .moves import at_both, beside, in_forms, look, pairs_of, singles
 from .parameters import Candidate
-from .record import noise_of
+from .readings import noise_of
 from .screen import Screen
 from .sensor_steps import staircases, with_stairs
 from .simpler import narrowed, special_cases, without

@@ -10,7 +10,7 @@ import numpy as np
 from .fit import Fit
 from .hypothesis import Hypothesis, judge, residual
 from .parameters import Candidate, Free, effect_parameters
-from .record import rounding
+from .readings import rounding
 from .sensors import Sensors, late
 from .staircase import Staircase, staircase
 from .weighed import Weighed

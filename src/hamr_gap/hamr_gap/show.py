@@ -10,8 +10,10 @@ from hamr_dynamics.machine import Machine
 
 from .found import STATES, Found
 from .initial_states import InitialStates
-from .model import Model, scales_of
-from .record import Record, noise_of
+from .model import Model
+from .readings import noise_of
+from .record import Record
+from .scales import scales_of
 from .si import channel_si
 
 #: Seconds after which a re-initialised run is judged, besides the free run.

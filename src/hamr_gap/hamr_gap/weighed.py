@@ -47,14 +47,9 @@ class Weighed:
         return np.flatnonzero(self.chosen[: self.until])
 
     @cached_property
-    def _weights(self) -> np.ndarray:
-        """(m, channels) one over the noise of each reading that counts, in the column of its channel."""
-        channel = self._places % len(self.sigma)
-        return np.eye(len(self.sigma))[channel] / self.sigma[channel, None]
-
-    @cached_property
     def _weight(self) -> np.ndarray:
-        return self._weights.sum(1)
+        """(m,) one over the noise of each reading that counts."""
+        return 1.0 / self.sigma[self._places % len(self.sigma)]
 
     def vector(self, y: np.ndarray) -> np.ndarray:
         """Weighted readings that count, (m,), of (n, channels) or (K, m) of (K, n, channels), n at least `until`."""
@@ -91,10 +86,7 @@ class Weighed:
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
         """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part, about a run (late already)."""
         step = self.model.reading_step
-        if self.initial:
-            gains = self.vector(run * np.eye(run.shape[1])[list(self.gains)][:, None]).T
-        else:
-            gains = run.reshape(-1).take(self._places)[:, None] * self._weights[:, list(self.gains)]
+        gains = self.vector(run * np.eye(run.shape[1])[list(self.gains)][:, None]).T
         shift = -step * self.vector(slope(run, step, self.model.starts))[:, None]
         return np.hstack([self._biases, gains, shift])
 

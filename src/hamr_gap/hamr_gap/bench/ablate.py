@@ -17,7 +17,7 @@ import tyro
 
 from hamr_description.errors import ConfigError, HamrError
 
-from .. import analyse, fit, moves, prepare, roles, search, weigh, weighed
+from .. import analyse, fit, moves, prepare, roles, search, tune, weigh, weighed
 from ..threads import use
 from . import score
 from .cases import path
@@ -25,9 +25,9 @@ from .run import blind
 from .solve import solve
 
 
-def _judged_by_the_fitted(model, seconds_per_t: float, roles_of=prepare.roles_of):
-    roles = roles_of(model, seconds_per_t)
-    return replace(roles, select=roles.fit)
+def _judged_by_the_fitted(model, seconds_per_t: float, roles_of=roles.roles_of):
+    found = roles_of(model, seconds_per_t)
+    return replace(found, select=found.fit)
 
 
 #: Step -> what stands in its place: (module or class, name, replacement).
@@ -43,7 +43,7 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "coarser": ((fit, "FORESEEN", float("inf")),),
     "beyond": ((fit, "TRIALS", np.minimum(fit.TRIALS, 1.0)),),
     "all_over": ((roles, "CYCLE", tuple(roles.SHARES)), (roles, "CYCLE_S", 4.0)),
-    "held_out": ((prepare, "roles_of", _judged_by_the_fitted),),
+    "held_out": ((tune, "roles_of", _judged_by_the_fitted),),
     "finer": ((prepare, "ENOUGH", float("inf")),),
     "staircase": ((search, "staircases", lambda *_: {}),),
     "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "ANOTHER_SIZE", "CONTAINS")),

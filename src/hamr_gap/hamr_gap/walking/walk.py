@@ -11,7 +11,8 @@ import numpy as np
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS
 
-from ..record import Record, noise_of
+from ..readings import noise_of
+from ..record import Record
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from scipy.signal import butter, sosfiltfilt
 from hamr_description.errors import BagError
 
 from ...prepare import Prepared
-from ...record import noise_of
+from ...readings import noise_of
 from ...weighed import Sensors
 
 ORDER = 4  # of the filter, run forth and back

@@ -1,0 +1,114 @@
+"""A re-tuned model of a record: as few steps as it bears, drives held or smooth, whichever way it leaves least."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hamr_dynamics.machine import Machine
+
+from .fit import Fit, fit
+from .initial_states import InitialStates
+from .model import BAND, Model
+from .parameters import changes
+from .pieces import MANY, telling
+from .record import Record
+from .roles import Roles, mask, roles_of
+from .scales import scales_of
+from .weighed import Weighed
+
+HELD = 1.2  # by how much less must be left of a drive held between samples, where the driver is known to be faster than that
+ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which another start is worth its time
+ASTRAY = 0.2  # of a sensor's motion: a re-tuned free run that is off by more, from an unknown start, is lost, and shorter ones serve
+TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """A re-tuned model: the readings that it is fitted to, the fit, and which readings serve what."""
+
+    weighed: Weighed
+    fit: Fit
+    roles: Roles
+
+    @property
+    def rms(self) -> np.ndarray:
+        """(channels,) of what is left of the fitted readings."""
+        return _rms(self.weighed, self.fit.reading)
+
+
+def tune(machine: Machine, record: Record, noise: np.ndarray) -> Tuned:
+    """The re-tuned model that leaves least; in short pieces where free runs go astray, or where those lead a free run to a better fit.
+
+    Args:
+        noise: (channels,) standard deviation of a sample's noise.
+
+    Raises:
+        BagError: the record is too short, or the model diverges.
+    """
+    best = _held_or_smooth(machine, record, noise)
+    free = not record.rest and not best.weighed.model.starts
+    if free and (best.rms > ASTRAY * np.nanstd(record.readings, axis=0)).any():
+        best = _held_or_smooth(machine, record, noise, min(telling(machine), record.span / MANY))
+    if best.weighed.model.pieces is None and np.max(best.rms / best.weighed.sigma) > ROUGH:
+        best = _led_by_pieces(best)
+    return best
+
+
+def _held_or_smooth(machine: Machine, record: Record, noise: np.ndarray, piece: float = 0.0) -> Tuned:
+    """Between samples a drive was smooth, or held: what fits better was the case."""
+    ways = (False, True) if record.drives_per_reading == 1 and record.driven.any() else (True,)
+    tried = [_tuned(machine, replace(record, held=held), noise, piece) for held in ways]
+
+    def surprise(t: Tuned) -> float:
+        own = t.weighed.model.record
+        return (HELD if own.held and own.hold else 1.0) * float(np.sum((t.rms / noise) ** 2))
+
+    return min(tried, key=surprise)
+
+
+def _tuned(machine: Machine, record: Record, noise: np.ndarray, piece: float) -> Tuned:
+    """With as few steps as it bears, and pieces of T if it is not to choose."""
+    mean = max(1, int(1.0 / (record.step * machine.to_si["T"] * BAND)))
+    model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record), piece)
+    roles = roles_of(model, machine.to_si["T"])
+    alone = len(machine.joints) == 1
+    gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
+    sigma, free = noise / np.sqrt(mean), changes(machine, model.scales)
+    weighed = Weighed(model, mask(model, roles.fit), sigma, gains, model, initial=InitialStates.about(model, model.neutral, sigma))
+    # trusted first, sensors keep a fit from wandering off along scales that only end stops tell apart
+    rough = replace(weighed, gains=(), sigma=_trusted(weighed, model.plain))
+    found = fit(rough, free, np.zeros(len(free)))
+    weighed = replace(weighed, initial=InitialStates.about(model, model.rows(free, found.x)[0], sigma))
+    fair = replace(weighed, sigma=_trusted(weighed, found.reading))
+    return Tuned(fair, fit(fair, free, found.x), roles)
+
+
+def _trusted(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
+    return np.maximum(weighed.sigma, TRUST * _rms(weighed, reading))
+
+
+def _led_by_pieces(tuned: Tuned) -> Tuned:
+    """The fit again from where one of short pieces ends, if that is better.
+
+    A run that hits its stops at another time than it did is lost from there on, and fits rest in minima that this makes; pieces do not.
+    """
+    weighed, found = tuned.weighed, tuned.fit
+    parts = replace(weighed.model, piece=telling(weighed.model.machine))
+    short = replace(weighed, model=parts, coarse=parts, chosen=mask(parts, tuned.roles.fit), initial=None)
+    begun = fit(short, found.free, np.zeros(len(found.x)))
+    return replace(tuned, fit=min(found, fit(weighed, found.free, begun.x), key=lambda f: f.cost))
+
+
+def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
+    left = np.where(weighed.chosen, weighed.left(reading) * weighed.sigma, np.nan)
+    return np.sqrt(np.nanmean(left**2, axis=0))
+
+
+def _coarsest(machine: Machine, record: Record) -> int:
+    """Steps per sample with at least 40 of them in a period of the fastest joint."""
+    rest = machine.at_rest
+    fastest = max(machine.diagonal(rest.stiffness, j) / machine.diagonal(rest.mass, j) for j in range(len(machine.joints)))
+    wanted = record.step * np.sqrt(max(fastest, 0.0)) * 40 / (2 * np.pi)
+    return record.drives_per_reading * max(1, int(np.ceil(wanted / record.drives_per_reading)))
