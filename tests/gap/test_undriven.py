@@ -14,6 +14,7 @@ from hamr_dynamics.scalar import cos, sin
 from hamr_gap.analyse import analyse
 from hamr_gap.columns import record_of
 from hamr_gap.initial_states import InitialStates
+from hamr_gap.legs import machine_of
 from hamr_gap.model import Model
 from hamr_gap.plants import load
 from hamr_gap.prepare import prepare
@@ -110,6 +111,25 @@ def test_what_is_left_beside_starts_is_a_projection(model):
     assert (np.sum(left[:, served] ** 2, -1) < np.sum(y[:, served] ** 2, -1)).all()
     lost = sum(basis.shape[1] for *_, basis in initial.parts)
     assert lost == 2 * len(model.pieces)
+
+
+def test_starts_are_those_of_least_squares_in_the_noise_of_each_sensor():
+    """Of a leg whose four sensors differ in noise a thousandfold, one piece against a solver."""
+    leg, random = machine_of("simple", "fl"), np.random.default_rng(4)
+    record = Record(np.zeros((2000, 2)), random.normal(0.0, 0.1, (2000, 4)), 0.25, leg.channels, rest=False)
+    model = Model(leg, record, 5, 1, scales_of(leg, record))
+    sigma, step = np.array([1e-3, 0.1, 1.0, 1e-2]), 1e-4
+    left = InitialStates.about(model, model.neutral, sigma).beside(model.target)
+    first, stop = int(model.pieces.first[3]), int(model.pieces.stop[3])
+    plain, columns = model.run_rows(model.neutral[None])[0], []
+    for k in range(4):
+        other = Model(leg, record, 5, 1, model.scales)
+        other.pieces.start[:, k] += step
+        columns.append((other.run_rows(model.neutral[None])[0] - plain) / step / sigma)
+    served = np.isfinite(model.target[first:stop])
+    a, b = np.stack([c[first:stop][served] for c in columns], 1), (model.target / sigma)[first:stop][served]
+    exact = b - a @ np.linalg.lstsq(a, b, rcond=None)[0]
+    assert np.allclose((left / sigma)[first:stop][served], exact, atol=1e-4 * np.abs(b).max())
 
 
 def test_equations_that_cannot_be_compiled_are_one_sentence(tmp_path):

@@ -11,17 +11,18 @@ from hamr_gap.weigh import UNKNOWN, weigh
 
 
 def weights(**left: float) -> dict[str, float]:
-    """Probability of each name, where a gap of 100 times the noise is left to these shares."""
+    """Probability of each name, at the first joint or, with _1, the second, where a gap of 100 times the noise is left to these shares."""
 
     def one(names: str, share: float) -> SimpleNamespace:
-        effects = tuple(Candidate(name, FORMS[name], (0,)) for name in names.split("__"))
+        places = ((name.removesuffix("_1"), int(name.endswith("_1"))) for name in names.split("__"))
+        effects = tuple(Candidate(name, FORMS[name], (joint,)) for name, joint in places)
         blocks = share * (1.0 + 0.01 * np.random.default_rng(len(names)).standard_normal(24))
         return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=2)
 
     tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
     state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, by_names=lambda: tried)
     found = weigh(state, 10_000)
-    return {"__".join(c.effect for c in w.hypothesis.effects) if w.hypothesis else "unknown": w.probability for w in found}
+    return {"__".join(c.effect + "_1" * c.joints[0] for c in w.hypothesis.effects) if w.hypothesis else "unknown": w.probability for w in found}
 
 
 FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic"}
@@ -67,5 +68,6 @@ def test_a_second_effect_that_takes_little_away_may_be_anything():
 def test_a_name_must_leave_less_throughout_than_its_special_case():
     assert "stribeck_friction" not in weights(coulomb_friction=0.01, stribeck_friction=0.01)
     assert weights(coulomb_friction=0.01, stribeck_friction=0.0001)["stribeck_friction"] > 0.9
+    assert "stribeck_friction_1" in weights(coulomb_friction=0.01, stribeck_friction_1=0.01)  # of another joint it is no case
     beside = weights(drive_lag=0.5, coulomb_friction__drive_lag=0.01, stribeck_friction__drive_lag=0.01)
     assert "coulomb_friction__drive_lag" in beside and "stribeck_friction__drive_lag" not in beside

@@ -22,6 +22,7 @@ from .threads import at_once
 from .weighed import Weighed
 
 BATCH = 48  # lanes at a time
+DIVERGED = 1e9  # in units of the noise: as which larger responses count
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +133,8 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
         for k, found in enumerate(at_once(respond, parts)):
             responses[k * BATCH : k * BATCH + len(found)] = found
         if round_ == 0:
-            responses[~np.isfinite(responses).all((1, 2))] = 1e9  # far too large
+            largest = np.maximum(responses.max((1, 2)), -responses.min((1, 2)))
+            responses[~(largest < DIVERGED)] = DIVERGED  # also what is not finite
             rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))
             columns = [_resized(c, amplitude / max(r, 1e-9)) for c, r in zip(columns, rms, strict=True)]
     finite = np.isfinite(responses).all((1, 2))
