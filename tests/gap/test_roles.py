@@ -51,6 +51,26 @@ def test_what_is_fitted_and_what_selects_lie_all_over_a_run(seconds):
     assert gaps < 0.16 * min(seconds, 12) * 1000
 
 
+@pytest.mark.parametrize("rest", [True, False])
+def test_roles_lie_where_runs_start_from_what_was_measured(rest):
+    """Of three stretches two can be run: each role has its share of these, less what an unknown start needs to be forgotten."""
+    pieces = Runs(first=np.array([1000, 6000]), stop=np.array([3000, 8000]))
+    model = SimpleNamespace(target=np.zeros((9000, 1)), reading_step=1.0, pieces=pieces, record=SimpleNamespace(rest=rest))
+    found = vars_of(roles_of(model, 1e-3))
+    served = np.flatnonzero(np.any(list(found.values()), axis=0))
+    apart = int(DEAD_SHARE * 9000)
+    begin = 0 if rest else apart
+    assert all(((a + begin <= served) & (served < b)).any() for a, b in zip(pieces.first, pieces.stop, strict=True))
+    assert not [k for k in served if not (1000 + begin <= k < 3000 or 6000 + begin <= k < 8000)]
+    shares = np.array([rows.sum() for rows in found.values()]) / len(served)
+    assert shares == pytest.approx(list(SHARES.values()), abs=0.03)
+
+
+class Runs(SimpleNamespace):
+    def __len__(self) -> int:
+        return len(self.first)
+
+
 def test_too_short_a_record_says_so():
     with pytest.raises(BagError, match="record longer"):
         roles(60)

@@ -22,7 +22,8 @@ def weights(**left: float) -> dict[str, float]:
     tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
     state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, by_names=lambda: tried)
     found = weigh(state, 10_000)
-    return {"__".join(c.effect + "_1" * c.joints[0] for c in w.hypothesis.effects) if w.hypothesis else "unknown": w.probability for w in found}
+    named = {"__".join(c.effect + "_1" * c.joints[0] for c in w.hypothesis.effects) if w.hypothesis else "unknown": w for w in found}
+    return {name: w.probability for name, w in named.items()}
 
 
 FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic"}
