@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from math import exp
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from stepped_laws import H, free_decay, modulus, parameters
 
 from hamr_dynamics.effects.law import Joint, Pair
@@ -33,6 +37,38 @@ def test_two_relaxing_springs_have_the_modulus_of_a_prony_series():
         found = modulus("viscoelasticity", "two", omega, fast=0.2, slow=0.1, short=1.0, long=20.0)
         exact = 0.2 * omega * 1j / (1 + omega * 1j) + 0.1 * 20.0 * omega * 1j / (1 + 20.0 * omega * 1j)
         assert abs(found - exact) < 0.02 * abs(exact)
+
+
+@pytest.mark.parametrize("skew", [-1.4, -1.0, -0.5, 0.0, 0.8])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_spring_with_hysteresis_follows_its_curves_out_and_back(skew, way):
+    """dz/dx = 1 - (1 + skew) z out from nothing, 1 + (1 - skew) |z| back to where it bears nothing: both have closed solutions."""
+    law, size, distance, steps = find("spring_hysteresis"), 0.7, 0.2, 4000
+    p = parameters(law, size=size, distance=distance, skew=skew)
+    z, v = (0.0,), way * 0.3 / (steps * H)
+    with np.errstate(divide="ignore"):
+        for _ in range(steps):
+            push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, z)
+        x, out, back = 0.3 / distance, 1.0 + skew, 1.0 - skew
+        top = (1.0 - exp(-out * x)) / out if out else x
+        assert push.force == pytest.approx(-way * size * top, rel=1e-4)
+        assert push.stiffness == pytest.approx(size / distance * (1.0 - out * top), rel=1e-3)
+        travelled = 0.0
+        while way * z[0] > 0.0:
+            _, z = law.law(Joint(0.0, -0.1 * v, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, z)
+            travelled += 0.1 * abs(v) * H / distance
+    assert travelled == pytest.approx(np.log1p(back * top) / back, rel=1e-3)
+
+
+@given(st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=30))
+def test_hysteresis_without_skew_is_dry_friction_with_presliding(ways):
+    """As its entry in the library says: whatever the motion."""
+    loop, friction, z, w = find("spring_hysteresis"), find("coulomb_friction", "presliding"), (0.0,), (0.0,)
+    for way in ways:
+        x = Joint(0.0, way / H, 0.0, 1.0, 1.0, 0.0, H, 9.0)
+        one, z = loop.law(x, parameters(loop, size=0.7, distance=0.2, skew=0.0), z)
+        other, w = friction.law(x, parameters(friction, level=0.7, distance=0.2), w)
+        assert one.force == pytest.approx(other.force, abs=1e-12)
 
 
 def test_play_leaves_the_actuators_spring_out_and_stops_never_pull():

@@ -199,6 +199,13 @@ def test_a_sensor_with_steps_is_not_free_of_noise():
     assert noise_of(np.sin(t)[:, None])[0] < 1e-9
 
 
+def test_what_mostly_stands_still_is_judged_by_where_it_moves():
+    """Coarse readings, resampled, are equal to the bit at rest: by that alone they would be free of noise."""
+    t = np.linspace(0.0, 8.0, 4000)
+    moving = np.where(t < 2.0, np.sin(2.0 * t), np.sin(4.0))
+    assert noise_of((moving + np.random.default_rng(0).normal(0.0, 1e-3, t.size) * (t < 2.0))[:, None])[0] == pytest.approx(1e-3, rel=0.2)
+
+
 def test_dry_friction_of_a_cart_is_found_from_a_wrong_mass():
     guess = linear_machine("test_cart", inertia=2.4, damping=2.5, joint="cart", units=UNIT)
     prepared = prepare(guess, sliding(16000, 7, friction=1.5))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfilt
 
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.analyse import analyse
+from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
 
 SLIDE = linear_machine("slide", inertia=1.0, stiffness=20.0, damping=6.0, joint="slide")
@@ -32,9 +34,41 @@ def sticking(friction: float) -> Record:
 @pytest.mark.parametrize(("friction", "astray"), [(2.0, False), (4.0, True)])
 def test_free_runs_that_go_astray_give_way_to_short_ones(friction, astray):
     """A slide that forgets its start, until it sticks where the model lets it return; either way friction and its size are found."""
-    verdict = (found := analyse(SLIDE, sticking(friction))).verdict
-    assert bool(found.prepared.weighed.model.starts) == astray
+    record = sticking(friction)
+    short = prepare(SLIDE, record)
+    assert short.shortened == astray == bool(short.weighed.model.starts)
+    verdict = analyse(SLIDE, record).verdict
     assert verdict.verdict == "named"
     (effect,) = verdict.set[0].effects
     assert effect.effect == "coulomb_friction"
     assert effect.parameters["level"]["slide"].value == pytest.approx(friction, rel=0.02)
+
+
+def looping(seconds: float) -> Record:
+    """The benchmark of hysteresis (Noel, Schoukens 2016), by small steps: 2 kg, 10 N s/m, 5e4 N/m, alpha 5e4, beta 1e3, gamma 0.8,
+    delta -1.1, under 50 N of noise to 120 Hz."""
+    fs, fine, random = 750.0, 40, np.random.default_rng(1)
+    n, y, v, z = int(seconds * fs), 0.0, 0.0, 0.0
+    coarse = sosfilt(butter(4, 120.0, fs=fs, output="sos"), random.standard_normal(n))
+    drive, h, seen = 50.0 * coarse / coarse.std(), 1.0 / fs / fine, np.empty(n)
+    between = CubicSpline(np.arange(n), drive)((np.arange(n * fine) + 0.5) / fine).reshape(n, fine)
+    for i in range(n):
+        seen[i] = y
+        for u in between[i]:
+            v += h * (u - 5e4 * y - 10.0 * v - z) / 2.0
+            z += h * (5e4 * v - 1e3 * (0.8 * abs(v) * z - 1.1 * v * abs(z)))
+            y += h * v
+    read = seen + random.normal(0.0, 4e-6, n)
+    return Record(drive[:, None], read[:, None], 1.0 / fs, ("mass",), rest=False)
+
+
+def test_a_loop_is_found_through_short_runs_and_measured_in_free_ones():
+    """Runs that start anew forget the loop; that it mends free ones is found out, and its sizes there are those of the benchmark."""
+    mass = linear_machine("mass", inertia=2.0, damping=12.0, stiffness=9e4, joint="mass")
+    verdict = (found := analyse(mass, looping(12.0))).verdict
+    assert not found.prepared.shortened and prepare(mass, looping(12.0)).shortened
+    assert verdict.verdict == "named"
+    (effect,) = verdict.set[0].effects
+    assert effect.effect == "spring_hysteresis"
+    sizes = {name: x["mass"].value for name, x in effect.parameters.items()}
+    assert sizes == pytest.approx({"size": 5e4 / 800.0, "distance": 1.0 / 800.0, "skew": -1.1 / 0.8}, rel=0.1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,10 +17,11 @@ from .fit import Fit
 from .hypothesis import Hypothesis, judge, left_of, residual
 from .interval import intervals
 from .parameters import Candidate
-from .prepare import Prepared, prepare
+from .prepare import Prepared
 from .record import Record
 from .roles import mask
-from .search import Search, noise_floor, search
+from .search import Search, noise_floor
+from .searched import searched
 from .si import channel_si, si_of
 from .unexplained import structural
 from .verdict import Answer, Estimate, Gap, NamedEffect, Verdict
@@ -59,10 +60,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     Raises:
         BagError: the record cannot be used; one sentence.
     """
-    report("re-tune")
-    prepared = prepare(machine, record)
-    state = search(prepared.weighed, prepared.judged, prepared.base, report)
-    prepared = replace(prepared, base=state.base, weighed=state.weighed)
+    prepared, state = searched(machine, record, report)
     least = prepared.weighed.model.mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
     weights = weigh(state, int(prepared.judged.sum()), least)
     evidence = _evidence(prepared, state)

@@ -29,6 +29,7 @@ class Prepared:
         weighed: fitted readings. judged: readings to select on. roles.
         base: the re-tuned model. raw: mean square of the residual before it, in units of the noise, on the judged readings.
         noise: (channels,) standard deviation of a sample's noise. stale: share of the samples that were old ones, sent again.
+        shortened: whether short runs stand in for free ones that went astray.
     """
 
     weighed: Weighed
@@ -38,13 +39,14 @@ class Prepared:
     raw: float
     noise: np.ndarray
     stale: float
+    shortened: bool = False
 
 
-def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None) -> Prepared:
+def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None, whole: bool = False) -> Prepared:
     """Checks a record, chooses step and rate, and re-tunes the model fairly.
 
     Args:
-        noise: (channels,) standard deviation of a sample's noise, if known; estimated otherwise.
+        noise: (channels,) standard deviation of a sample's noise, if known; estimated otherwise. whole: as of `tune`.
 
     Raises:
         BagError: constant drives or readings, too little data; one sentence.
@@ -52,7 +54,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     _check(machine, record)
     given, record = record, fresh(record)
     noise = noise_of(record.readings) if noise is None else noise
-    tuned = tune(machine, record, noise)
+    tuned = tune(machine, record, noise, whole=whole)
     weighed, found, roles = tuned.weighed, tuned.fit, tuned.roles
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
@@ -71,7 +73,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
         weighed = replace(weighed, sigma=sigma)
         found = fit(weighed, found.free, found.x)
     stale = float(np.mean(np.isnan(record.readings).all(1) & ~np.isnan(given.readings).all(1)))
-    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, stale)
+    return Prepared(weighed, judged, roles, judge(weighed, judged, (), found), raw, noise, stale, tuned.shortened)
 
 
 def _check(machine: Machine, record: Record) -> None:

@@ -36,7 +36,8 @@ def noise_of(x: np.ndarray) -> np.ndarray:
     """(channels,) standard deviation of white noise in (n, channels) samples of smooth signals, from differences.
 
     Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the least over the orders is taken, but no
-    less than the rounding of a sensor with steps, which looks free of noise where it rests on one of them.
+    less than the rounding of a sensor with steps, which looks free of noise where it rests on one of them. What stands still for most
+    of the time is judged by where it moves.
     """
     best = np.full(x.shape[1], np.inf)
     for order in range(1, 9):
@@ -44,7 +45,8 @@ def noise_of(x: np.ndarray) -> np.ndarray:
         d = d[np.isfinite(d).all(1)]
         if len(d) < 30:
             break
-        best = np.minimum(best, 1.4826 * np.median(np.abs(d), axis=0) / np.sqrt(comb(2 * order, order)))
+        usual = [np.median(c) or np.median(c[c > 0.0]) if c.any() else 0.0 for c in np.abs(d).T]
+        best = np.minimum(best, 1.4826 * np.array(usual) / np.sqrt(comb(2 * order, order)))
     return np.maximum(best, [rounding(column) for column in x.T])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from .candidates import candidates
 from .fit import fit
-from .hypothesis import Hypothesis, refined, residual
+from .hypothesis import Hypothesis, Start, refined, residual
 from .moves import at_both, beside, in_forms, look, pairs_of, singles
 from .parameters import Candidate
 from .readings import noise_of
@@ -70,12 +70,14 @@ class Search:
 
 
 def search(
-    weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Callable[[str], None] = lambda _: None, *, timed: bool = False,
+    weighed: Weighed, judged: np.ndarray, base: Hypothesis, report: Callable[[str], None] = lambda _: None, *,
+    known: Sequence[Start] = (), timed: bool = False,
 ) -> Search:  # fmt: skip
     """Names that could close the gap of a re-tuned model.
 
     Args:
-        report: told what is being done. timed: whether the clocks' shift is that of an effect already.
+        report: told what is being done. known: sets of effects that were found otherwise, fitted beside all others.
+        timed: whether the clocks' shift is that of an effect already.
     """
     everything = candidates(weighed.model.machine, weighed.model.record)
     report("screen")
@@ -85,16 +87,16 @@ def search(
     alone = singles(weighed, base.fit, seen, everything)
     given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
     alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
-    state.tried += refined(weighed, judged, in_forms(alone, SINGLES, ALL_FORMS))
+    state.tried += refined(weighed, judged, [*in_forms(alone, SINGLES, ALL_FORMS), *known])
     state.tried += at_both(weighed, judged, state.tried)
     late = state.best.fit.sensors.shift
     if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
         weighed = weighed.on_time(weighed.model.delay + late)  # what looked like late clocks without the effect
-        return search(weighed, judged, without(weighed, judged, state.best, state.best.effects[0]), report, timed=True)
+        return search(weighed, judged, without(weighed, judged, state.best, state.best.effects[0]), report, known=known, timed=True)
     best = sorted(state.tried, key=lambda h: h.left)[:LED]
     led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
-        return search(weighed, judged, led, report, timed=timed)
+        return search(weighed, judged, led, report, known=known, timed=timed)
     for size in range(2, LARGEST + 1):
         state.floor = noise_floor(weighed, state.best)
         before = state.best.left - state.floor

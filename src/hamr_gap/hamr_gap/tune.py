@@ -26,11 +26,13 @@ TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than 
 
 @dataclass(frozen=True)
 class Tuned:
-    """A re-tuned model: the readings that it is fitted to, the fit, and which readings serve what."""
+    """A re-tuned model: the readings that it is fitted to, the fit, which readings serve what, and whether short runs stand in for free
+    ones that went astray."""
 
     weighed: Weighed
     fit: Fit
     roles: Roles
+    shortened: bool = False
 
     @property
     def rms(self) -> np.ndarray:
@@ -38,19 +40,19 @@ class Tuned:
         return _rms(self.weighed, self.fit.reading)
 
 
-def tune(machine: Machine, record: Record, noise: np.ndarray) -> Tuned:
+def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = False) -> Tuned:
     """The re-tuned model that leaves least; in short pieces where free runs go astray, or where those lead a free run to a better fit.
 
     Args:
-        noise: (channels,) standard deviation of a sample's noise.
+        noise: (channels,) standard deviation of a sample's noise. whole: whether runs stay as long as they are, astray or not.
 
     Raises:
         BagError: the record is too short, or the model diverges.
     """
     best = _held_or_smooth(machine, record, noise)
     free = not record.rest and not best.weighed.model.starts
-    if free and (best.rms > ASTRAY * np.nanstd(record.readings, axis=0)).any():
-        best = _held_or_smooth(machine, record, noise, min(telling(machine), record.span / MANY))
+    if free and not whole and (best.rms > ASTRAY * np.nanstd(record.readings, axis=0)).any():
+        best = replace(_held_or_smooth(machine, record, noise, min(telling(machine), record.span / MANY)), shortened=True)
     if best.weighed.model.pieces is None and np.max(best.rms / best.weighed.sigma) > ROUGH:
         best = _led_by_pieces(best)
     return best
