@@ -74,6 +74,14 @@ def test_a_name_that_holds_a_simpler_one_gives_way_to_it(rubbing):
     assert min(s.left for s in simple) < 1.05 * h.left
 
 
+def test_of_several_effects_each_is_tried_in_its_other_forms(rubbing):
+    """A single one has been; two were found beside some one form of the other."""
+    lag = Candidate("drive_lag", "first_order", (1,))
+    two = special_cases(rubbing.weighed, rubbing.judged, fitted(rubbing, FRICTION, lag))
+    assert {h.effects for h in two} >= {(replace(FRICTION, form=form), lag) for form in ("sign", "lugre", "asymmetric")}
+    assert special_cases(rubbing.weighed, rubbing.judged, fitted(rubbing, FRICTION)) == []
+
+
 def test_a_coupled_potential_gives_way_to_the_one_spring_that_it_is():
     bent = prepare(machine_of("simple", "fl"), shaken("cubic_stiffness.cubic", {"cubic.1": 2.0}))
     h = fitted(bent, Candidate("configuration_dependent_stiffness", "potential", (0, 1)))

@@ -9,8 +9,10 @@ from scipy.signal import butter, sosfilt
 
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.analyse import analyse
+from hamr_gap.found import find
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
+from hamr_gap.show import show
 
 SLIDE = linear_machine("slide", inertia=1.0, stiffness=20.0, damping=6.0, joint="slide")
 
@@ -42,6 +44,16 @@ def test_free_runs_that_go_astray_give_way_to_short_ones(friction, astray):
     (effect,) = verdict.set[0].effects
     assert effect.effect == "coulomb_friction"
     assert effect.parameters["level"]["slide"].value == pytest.approx(friction, rel=0.02)
+
+
+def test_what_stays_in_short_runs_is_shown_in_them(monkeypatch):
+    monkeypatch.setattr("hamr_gap.searched._mended", lambda *_: None)
+    record = sticking(4.0)
+    found = find(SLIDE, record)
+    assert found.simulation["piece"] > 0.0
+    shown, _ = show(SLIDE, found, record, fresh=False)
+    assert shown["over_floor"]["retuned"] == pytest.approx(found.verdict["gap"]["retuned"], rel=0.5)  # in free runs, 2.2 times
+    assert list(shown["horizons"]) == ["0.08 s", "0.5 s"] and np.isfinite([list(h.values()) for h in shown["horizons"].values()]).all()
 
 
 def looping(seconds: float) -> Record:

@@ -12,6 +12,7 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import Machine, Terms
 from hamr_dynamics.scalar import cos, sin
 from hamr_gap.analyse import analyse
+from hamr_gap.candidates import candidates
 from hamr_gap.columns import record_of
 from hamr_gap.initial_states import InitialStates
 from hamr_gap.legs import machine_of
@@ -145,6 +146,15 @@ def test_a_drive_can_be_said_to_be_constant(tmp_path):
     (tmp_path / "a.csv").write_text("time,arm\n0,1\n0.1,2\n0.2,4\n")
     record = record_of(pendulum(), tmp_path / "a.csv", {"drive": 0.0})
     assert np.array_equal(record.drives, np.zeros((3, 1))) and not record.driven.any()
+
+
+def test_of_two_joints_only_the_drive_that_changes_can_lack_something():
+    leg = machine_of("simple", "fl")
+    drives = np.column_stack([np.arange(400.0) % 7.0, np.zeros(400)])
+    found = candidates(leg, Record(drives, np.zeros((400, 4)), 0.25, leg.channels))
+    acts = dict(((name, form.name), form.acts) for name, form in leg.forms)
+    assert {c.joints for c in found if acts[c.effect, c.form] == "drive"} == {(0,)}
+    assert {c.joints for c in found if acts[c.effect, c.form] == "force"} == {(0,), (1,), (0, 1)}
 
 
 def test_what_rests_and_is_not_driven_says_nothing():

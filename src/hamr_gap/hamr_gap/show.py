@@ -16,8 +16,8 @@ from .record import Record
 from .scales import scales_of
 from .si import channel_si
 
-#: Seconds after which a re-initialised run is judged, besides the free run.
-HORIZONS_S = (0.008, 0.05)
+#: Seconds, and readings at least, after which a re-initialised run is judged, besides the free run.
+HORIZONS = ((0.008, 8), (0.05, 50))
 WINDOW_S = 0.15  # shown in pictures
 SETTLED_S = 0.5  # left out of a record that does not begin at rest
 
@@ -53,7 +53,7 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
         channels[channel] = {"unit": unit, "noise": float(noise[c]) * factor} | {s: _rms(x[:, c]) * factor for s, x in left.items()}
     shown = {
         "readings": int(chosen.sum()), "over_floor": over, "closed": closed(over), "channels": channels,
-        "horizons": {f"{seconds:g} s": _growth(model, found, rows, noise, used, seconds) for seconds in HORIZONS_S},
+        "horizons": {f"{h * machine.to_si['T']:.2g} s": _growth(model, found, rows, noise, used, h) for h in _horizons(model)},
     }  # fmt: skip
     return shown, _pictured(machine, model, noise, used, runs)
 
@@ -87,11 +87,16 @@ def _settled(model: Model) -> np.ndarray:
     return used
 
 
-def _growth(model: Model, found: Found, rows: np.ndarray, noise: np.ndarray, used: np.ndarray, seconds: float) -> dict[str, float]:
-    """As `over_floor`, of runs that start anew from measured motion, at their last readings."""
+def _horizons(model: Model) -> list[float]:
+    """T."""
+    return [max(seconds / model.machine.to_si["T"], readings * model.reading_step) for seconds, readings in HORIZONS]
+
+
+def _growth(model: Model, found: Found, rows: np.ndarray, noise: np.ndarray, used: np.ndarray, horizon: float) -> dict[str, float]:
+    """As `over_floor`, of runs over T that start anew from measured motion, at their last readings."""
     bias = found.sensors("after").bias  # the motion is what the sensors read without it
     free_of_bias = replace(model.record, readings=model.record.readings - bias)
-    pieced = replace(model, record=free_of_bias, piece=seconds / model.machine.to_si["T"])
+    pieced = replace(model, record=free_of_bias, piece=horizon)
     last = np.zeros(len(used), bool)
     last[pieced.pieces.stop - 2] = True  # the very last one's slope reaches into the next piece
     chosen = (last & used)[:, None] & np.isfinite(pieced.target)
