@@ -171,6 +171,12 @@ def test_stretches_of_a_machine_that_forgets_start_anew():
     assert np.array_equal(run[:2000], _model(SPRING, one).run_rows(model.neutral[None])[0])
 
 
+def test_a_start_that_nobody_measured_is_no_loss_where_it_is_forgotten():
+    one = Record(noise(2000, 3), noise(2000, 4), 1e-3, ("mass",), rest=False)
+    gap = np.where(np.arange(2000)[:, None] < 50, np.nan, one.readings)
+    assert len(_model(SPRING, joined([one, replace(one, readings=gap)])).pieces) == 2
+
+
 @settings(max_examples=20)
 @given(st.tuples(*[st.floats(-3, 3)] * 4))
 def test_motion_of_a_cubic_is_exact(c):

@@ -14,6 +14,7 @@ from hamr_dynamics.scalar import cos, sin
 from hamr_gap.analyse import analyse
 from hamr_gap.candidates import candidates
 from hamr_gap.columns import record_of
+from hamr_gap.found import find
 from hamr_gap.initial_states import InitialStates
 from hamr_gap.legs import machine_of
 from hamr_gap.model import Model
@@ -21,6 +22,7 @@ from hamr_gap.plants import load
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
 from hamr_gap.scales import scales_of
+from hamr_gap.show import show
 
 INERTIA, WEIGHT, DAMPING = 0.0033, 0.21, 3e-4  # kg m^2, N m at a right angle, N m s: as a data sheet might say
 COUNT = 2.0 * math.pi / 40_000  # rad, of the encoder
@@ -70,10 +72,12 @@ def test_what_brings_a_pendulum_to_rest_is_found(bent, verdicts):
 
 
 def test_a_pendulum_that_is_as_it_should_be_lacks_nothing():
-    verdict = analyse(pendulum(), swinging(30.0)).verdict
-    assert verdict.verdict == "parameters_only" and verdict.parameters["damping"]["arm"].value < -0.7 * DAMPING
+    found = find(pendulum(), record := swinging(30.0))
+    assert found.verdict["verdict"] == "parameters_only" and found.verdict["parameters"]["damping"]["arm"]["value"] < -0.7 * DAMPING
     of_drives = {name for name, effect in library().items() if all(form.acts == "drive" for form in effect.forms)}
-    assert of_drives and of_drives <= set(verdict.not_observable)
+    assert of_drives and of_drives <= set(found.verdict["not_observable"])
+    shown, _ = show(pendulum(), found, record, fresh=False)
+    assert shown["over_floor"]["retuned"] < 1.5  # 4.0 with starts as measured
 
 
 def test_what_no_name_explains_is_not_closed_by_parameters():
