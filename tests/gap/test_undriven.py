@@ -78,6 +78,7 @@ def test_a_pendulum_that_is_as_it_should_be_lacks_nothing():
     assert of_drives and of_drives <= set(found.verdict["not_observable"])
     shown, _ = show(pendulum(), found, record, fresh=False)
     assert shown["over_floor"]["retuned"] < 1.5  # 4.0 with starts as measured
+    assert found.verdict["gap"]["raw"] == pytest.approx(shown["over_floor"]["raw"], rel=0.2)  # 2.5 times with those
 
 
 def test_what_no_name_explains_is_not_closed_by_parameters():
