@@ -25,7 +25,7 @@ def searched(machine: Machine, record: Record, report: Callable[[str], None]) ->
     report("re-tune")
     prepared = prepare(machine, record)
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
-    if prepared.shortened:
+    if prepared.shortened and state.tried:
         known = [Start(h.effects, h.fit.free, h.fit.x, np.inf) for h in (state.best_of(1), state.best)]
         if whole := _mended(machine, record, known, _left(prepared, state.best)):
             prepared, state = whole, search(whole.weighed, whole.judged, whole.base, report, known=known)
