@@ -51,6 +51,11 @@ class Weighed:
         """(m,) one over the noise of each reading that counts."""
         return 1.0 / self.sigma[self._places % len(self.sigma)]
 
+    @cached_property
+    def _gained(self) -> np.ndarray:
+        """(m, gains) one where a reading that counts is of a channel whose gain is free."""
+        return np.eye(len(self.sigma))[self._places % len(self.sigma)][:, list(self.gains)]
+
     def vector(self, y: np.ndarray) -> np.ndarray:
         """Weighted readings that count, (m,), of (n, channels) or (K, m) of (K, n, channels), n at least `until`."""
         return self.beside(y).reshape(*y.shape[:-2], y.shape[-2] * y.shape[-1]).take(self._places, axis=-1) * self._weight
@@ -86,7 +91,10 @@ class Weighed:
     def sensor_columns(self, run: np.ndarray) -> np.ndarray:
         """(m, biases + gains + 1) derivatives of the weighted readings with respect to the sensors' part, about a run (late already)."""
         step = self.model.reading_step
-        gains = self.vector(run * np.eye(run.shape[1])[list(self.gains)][:, None]).T
+        if self.initial:  # which mixes the readings of a piece
+            gains = self.vector(run * np.eye(run.shape[1])[list(self.gains)][:, None]).T
+        else:
+            gains = self.vector(run)[:, None] * self._gained
         shift = -step * self.vector(slope(run, step, self.model.starts))[:, None]
         return np.hstack([self._biases, gains, shift])
 
