@@ -77,8 +77,8 @@ def looping(seconds: float) -> Record:
 def test_a_loop_is_found_through_short_runs_and_measured_in_free_ones():
     """Runs that start anew forget the loop; that it mends free ones is found out, and its sizes there are those of the benchmark."""
     mass = linear_machine("mass", inertia=2.0, damping=12.0, stiffness=9e4, joint="mass")
-    verdict = (found := analyse(mass, looping(12.0))).verdict
-    assert not found.prepared.shortened and prepare(mass, looping(12.0)).shortened
+    verdict = (found := analyse(mass, record := looping(12.0))).verdict
+    assert not found.prepared.shortened and prepare(mass, record).shortened
     assert verdict.verdict == "named"
     (effect,) = verdict.set[0].effects
     assert effect.effect == "spring_hysteresis"

@@ -39,7 +39,7 @@ class Prepared:
     raw: float
     noise: np.ndarray
     stale: float
-    shortened: bool = False
+    shortened: bool
 
 
 def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None, whole: bool = False) -> Prepared:

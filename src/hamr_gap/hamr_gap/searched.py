@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from hamr_description.errors import BagError
 from hamr_dynamics.machine import Machine
 
-from .hypothesis import Hypothesis, Start, refined, residual
+from .hypothesis import Hypothesis, Start, left_of, refined
 from .prepare import Prepared, prepare
 from .record import Record
 from .search import Search, search
@@ -25,24 +25,29 @@ def searched(machine: Machine, record: Record, report: Callable[[str], None]) ->
     report("re-tune")
     prepared = prepare(machine, record)
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
-    if prepared.shortened and state.tried:
-        known = [Start(h.effects, h.fit.free, h.fit.x, np.inf) for h in (state.best_of(1), state.best)]
-        if whole := _mended(machine, record, known, _left(prepared, state.best)):
-            prepared, state = whole, search(whole.weighed, whole.judged, whole.base, report, known=known)
+    if prepared.shortened and (mended := _mended(machine, record, prepared, state)):
+        prepared, known = mended
+        state = search(prepared.weighed, prepared.judged, prepared.base, report, known=known)
     return replace(prepared, base=state.base, weighed=state.weighed), state
 
 
-def _mended(machine: Machine, record: Record, known: Sequence[Start], left: float) -> Prepared | None:
-    """The record in free runs, if some of the known effects leave less in them."""
+def _mended(machine: Machine, record: Record, short: Prepared, state: Search) -> tuple[Prepared, list[Start]] | None:
+    """The record in free runs, and the best of each number of effects as fitted in them, if one leaves less there."""
+    best = {len(h.effects): h for h in sorted(state.tried, key=lambda h: -h.left)}
     try:
         whole = prepare(machine, record, whole=True)
-        again = refined(whole.weighed, whole.judged, known)
+        again = refined(whole.weighed, whole.judged, _starts(best.values()))
     except BagError:  # diverges
         return None
-    return whole if min(_left(whole, h) for h in again) < left else None
+    if min((_left(whole, h) for h in again), default=np.inf) >= _left(short, state.best):
+        return None
+    return whole, _starts(again)
+
+
+def _starts(found: Iterable[Hypothesis]) -> list[Start]:
+    return [Start(h.effects, h.fit.free, h.fit.x, h.fit.cost) for h in found]
 
 
 def _left(prepared: Prepared, h: Hypothesis) -> float:
     """Mean square on the judged readings, in units of a sample's noise: what counts as noise of a reading may differ."""
-    left = residual(prepared.weighed, h.fit) * prepared.weighed.sigma / prepared.noise
-    return float(np.nanmean(np.where(prepared.judged, left, np.nan) ** 2))
+    return left_of(replace(prepared.weighed, sigma=prepared.noise), prepared.judged, h.fit.reading)[0]
