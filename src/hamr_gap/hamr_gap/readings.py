@@ -45,9 +45,14 @@ def noise_of(x: np.ndarray) -> np.ndarray:
         d = d[np.isfinite(d).all(1)]
         if len(d) < 30:
             break
-        usual = [np.median(c) or np.median(c[c > 0.0]) if c.any() else 0.0 for c in np.abs(d).T]
-        best = np.minimum(best, 1.4826 * np.array(usual) / np.sqrt(comb(2 * order, order)))
+        best = np.minimum(best, 1.4826 * np.array([_usual(c) for c in np.abs(d).T]) / np.sqrt(comb(2 * order, order)))
     return np.maximum(best, [rounding(column) for column in x.T])
+
+
+def _usual(sizes: np.ndarray) -> float:
+    """Median of (n,) sizes; of those that are not zero, where most are."""
+    moved = sizes[sizes > 0.0]
+    return float(np.median(sizes) or (np.median(moved) if len(moved) else 0.0))
 
 
 def rounding(x: np.ndarray) -> float:

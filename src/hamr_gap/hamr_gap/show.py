@@ -88,7 +88,7 @@ def _settled(model: Model) -> np.ndarray:
 
 
 def _horizons(model: Model) -> list[float]:
-    """T."""
+    """T after which runs that start anew are judged."""
     return [max(seconds / model.machine.to_si["T"], readings * model.reading_step) for seconds, readings in HORIZONS]
 
 
