@@ -18,6 +18,7 @@ from hamr_gap.fit import TRIALS, fit
 from hamr_gap.flagship_find import recorded
 from hamr_gap.hypothesis import Start, refine, refined
 from hamr_gap.legs import machine_of
+from hamr_gap.model import Model
 from hamr_gap.moves import apart, at_both, look, singles
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
@@ -116,6 +117,15 @@ def test_thresholds_found_at_each_joint_are_tried_together():
     limits = {f.row: unit / x for f, x in zip(both.fit.free, both.fit.x, strict=True)}
     assert limits["drive_saturation.hard.sharpness.0"] == pytest.approx(65.0, rel=0.02)
     assert limits["drive_saturation.hard.sharpness.1"] == pytest.approx(45.0, rel=0.02)
+
+
+@pytest.mark.filterwarnings("error")
+def test_laws_that_move_far_too_much_are_seen_at_smaller_sizes(rubbing, monkeypatch):
+    """Without a warning, where the square of what they move is beyond single precision."""
+    real = Model.run_rows
+    monkeypatch.setattr(Model, "run_rows", lambda *given: 1e22 * real(*given))
+    seen = look(rubbing.weighed, rubbing.base.fit, [FRICTION, Candidate("quadratic_damping", "square", (1,))])
+    assert [c.size for c in seen.columns] == pytest.approx([1e-3 * c.parameter.typical for c in seen.columns])
 
 
 def test_results_do_not_depend_on_the_number_of_threads(rubbing, monkeypatch):
