@@ -51,8 +51,8 @@ def test_other_seeds_give_other_cases():
 def test_every_name_of_the_design_can_be_hidden():
     asked = (
         "coulomb_friction stribeck_friction quadratic_damping structural_damping cubic_stiffness backlash end_stop drive_lag drive_delay "
-        "drive_saturation voltage_dependent_gain piezo_hysteresis piezo_creep viscoelasticity serial_compliance lift_swing_coupling "
-        "configuration_dependent_inertia configuration_dependent_transmission configuration_dependent_stiffness "
+        "drive_saturation voltage_dependent_gain piezo_hysteresis piezo_creep viscoelasticity spring_hysteresis serial_compliance "
+        "lift_swing_coupling configuration_dependent_inertia configuration_dependent_transmission configuration_dependent_stiffness "
         "configuration_dependent_damping rail_crosstalk drive_drift sensor_latency sensor_quantisation sensor_lag sensor_nonlinearity"
     )
     assert set(families()) == set(asked.split())

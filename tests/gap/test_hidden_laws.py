@@ -102,6 +102,24 @@ def test_the_standard_solid_has_its_modulus():
     assert _modulus("standard_solid", {"stiffness": 0.2, "tau": 5.0}, 30.0) == pytest.approx(0.2 * x / (1 + x), rel=0.01)
 
 
+def test_sliders_that_yield_one_by_one_have_masings_loops():
+    """On the way back the curve is the first one twice as large (Masing 1926), and a minor loop closes where it began."""
+    out, back = np.linspace(0, 0.3, 301), np.linspace(0.3, -0.3, 601)
+    path = np.concatenate([out, back[:301], back[300:200:-1], back[200:]])  # a minor loop on the way back
+    torque = -drive("iwan", {"stiffness": 2.0, "reach": 0.4}, q=path)[:, TAU]
+    first, down = torque[:301], np.concatenate([torque[301:602], torque[803:]])
+    assert first[-1] == pytest.approx(2.0 * (0.3 - 0.3**2 / (2 * 0.4)), rel=0.01)  # of sliders without number
+    assert down == pytest.approx(first[-1] - 2.0 * np.interp(0.5 * (0.3 - back), out, first), abs=1e-12)
+
+
+def test_bouc_and_wens_loop_follows_its_curves():
+    v, n, p = 0.004, 4000, {"stiffness": 2.0, "reach": 0.1, "back": 4.0}  # rad/ms in steps of 0.01 ms: 0.16 rad out, and back
+    z = drive("bouc_wen_squared", p, v=np.r_[np.full(n, v), np.full(n, -v)], dt=0.01)[:, TAU] / (-2.0 * 0.1)
+    assert z[n - 1] == pytest.approx(np.tanh(1.6), rel=1e-3)
+    borne = np.flatnonzero(z[n:] < 0.0)[0] * 0.01 * v / 0.1
+    assert borne == pytest.approx(np.arctan(2.0 * np.tanh(1.6)) / 2.0, rel=2e-3)
+
+
 @pytest.mark.parametrize("hertz", [5.0, 50.0])
 def test_play_loops_have_their_area_at_any_rate(hertz):
     n = round(1e3 / hertz / DT)

@@ -10,6 +10,7 @@ from .laws import ANY, RQ, RTAU, RV, TAU, Q, V, law
 
 STIFF = 0.01  # ms
 LADDER = 13
+SLIDERS = 8
 ROTOR = 0.03  # g mm^2, about the inertia of the actuator's own hinge: scale for contact damping
 
 
@@ -94,6 +95,27 @@ def two_times(i, t, dt, w, p, s):
     for k in range(2):
         s[k] += -math.expm1(-dt / p[1 + k]) * (w[Q + i] - s[k])
         w[TAU + i] -= p[0] * (p[3] if k == 0 else 1.0 - p[3]) * (w[Q + i] - s[k])
+
+
+@law("spring_hysteresis", size="stiffness", places=ANY, states=SLIDERS, stiffness=(2e-3, 3.0), reach=(0.1, 0.8))
+def iwan(i, t, dt, w, p, s):
+    """Springs in series with dry sliders, side by side; the sliders yield one after the other, evenly spread up to a twist of `reach`."""
+    torque = 0.0
+    for k in range(SLIDERS):
+        limit = p[1] * (k + 0.5) / SLIDERS
+        s[k] = max(min(s[k], w[Q + i] + limit), w[Q + i] - limit)
+        torque += p[0] / SLIDERS * (w[Q + i] - s[k])
+    w[TAU + i] -= torque
+
+
+@law("spring_hysteresis", size="stiffness", places=ANY, states=1, stiffness=(2e-3, 3.0), reach=(0.05, 0.4), back=(3.0, 9.0))
+def bouc_wen_squared(i, t, dt, w, p, s):
+    """Bouc and Wen's equation with exponent two, and a curve that is steeper on the way back than on the way out."""
+    way = dt * w[V + i] / p[1]
+    middle = s[0] + 0.5 * way * (1.0 - (1.0 if way * s[0] > 0.0 else -p[2]) * s[0] * s[0])
+    new = s[0] + way * (1.0 - (1.0 if way * middle > 0.0 else -p[2]) * middle * middle)
+    w[TAU + i] -= p[0] * p[1] * 0.5 * (s[0] + new)
+    s[0] = new
 
 
 @law("backlash", size="gap", machine="series", step=STIFF, gap=(2e-4, 0.2), stiffness=(300.0, 1000.0), loss=(5.0, 40.0))

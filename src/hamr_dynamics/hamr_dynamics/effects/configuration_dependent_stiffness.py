@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import sqrt
+from ..scalar import cos, sin, sqrt
 from .configuration_dependent_damping import CENTRE, WIDTH, bell
 from .law import Effect, Form, Joint, Pair, PairPush, Parameter, Push
 
@@ -32,9 +32,22 @@ def well(x: Joint, p, z):
 
 def valley(x: Joint, p, z):
     """Force of the potential stiffness width^2 sqrt(1 + ((q - centre)/width)^2): a spring near the centre, a constant force far off."""
-    at = (x.q - p["centre"]) / p["width"]
+    force, stiffness = _leaving(x.q, p)
+    return Push(force, stiffness=stiffness), z
+
+
+def oblique(x: Pair, p, z):
+    """The same across both angles, with cos(direction) swing + sin(direction) lift as q: a hinge whose axis is oblique to the joints'."""
+    along, across = cos(p["direction"]), sin(p["direction"])
+    force, k = _leaving(along * x.q[0] + across * x.q[1], p)
+    return PairPush((along * force, across * force), stiffness=(k * along * along, k * along * across, k * across * across)), z
+
+
+def _leaving(q, p):
+    """Force and stiffness of a valley."""
+    at = (q - p["centre"]) / p["width"]
     slant = 1.0 / sqrt(1.0 + at * at)
-    return Push(-(p["stiffness"] * p["width"] * at * slant), stiffness=p["stiffness"] * slant * slant * slant), z
+    return -(p["stiffness"] * p["width"] * at * slant), p["stiffness"] * slant * slant * slant
 
 
 def _term(i: int, j: int) -> Parameter:
@@ -42,12 +55,16 @@ def _term(i: int, j: int) -> Parameter:
     return Parameter(f"c{i}{j}", f"F/Q^{power}" if power > 1 else "F/Q", 0.01, -5.0, 5.0, f"potential per swing^{i} lift^{j}")
 
 
+STIFFNESS = Parameter("stiffness", "F/Q", 0.05, -5.0, 5.0, "in the centre")
+DIRECTION = Parameter("direction", "1", 0.8, -2.4, 2.4, "in the plane of swing and lift, rad", shape=True, screen=(-1.0, -0.4, 0.4, 1.0))
+
 EFFECT = Effect(
     name="configuration_dependent_stiffness",
     part="transmission",
     summary="Springs whose stiffness changes with both angles of the leg, as a potential has it.",
     forms=(Form("well", "force", well, (Parameter("depth", "F*Q", 0.02, -5.0, 5.0, "of the potential"), CENTRE, WIDTH)),
-           Form("valley", "force", valley, (Parameter("stiffness", "F/Q", 0.05, -5.0, 5.0, "in the centre"), CENTRE, WIDTH)),
+           Form("valley", "force", valley, (STIFFNESS, CENTRE, WIDTH)),
+           Form("oblique", "pair", oblique, (STIFFNESS, DIRECTION, CENTRE, WIDTH)),
            Form("potential", "pair", potential,
                 (_term(1, 1), *(_term(i, n - i) for n in (3, 4) for i in range(n, -1, -1)))),),
     experiment="large motions of both joints at once",
