@@ -26,6 +26,16 @@ def test_structural_damping_loses_the_same_at_every_frequency():
     assert losses == pytest.approx([0.1] * 5, rel=0.06)
 
 
+@pytest.mark.parametrize("rise", [0.8, 1.4])
+def test_fractional_damping_grows_as_a_power_of_the_frequency(rise):
+    found = {w: modulus("structural_damping", "fractional", w, loss=0.1, time=1.0, rise=rise) for w in (0.5, 1.0, 2.0)}
+    times = 4.0 ** np.arange(-2.5, 3.0)
+    for w, x in found.items():  # Maxwell elements, each a factor of four later and so much softer
+        exact = 0.1 * np.log(4.0) / (0.5 * np.pi) * np.sum(times ** (-np.log(rise) / np.log(4.0)) * 1j * w * times / (1.0 + 1j * w * times))
+        assert abs(x - exact) < 0.02 * abs(exact)
+    assert found[2.0].imag / found[0.5].imag == pytest.approx(rise, rel=0.05)
+
+
 def test_a_relaxing_spring_has_the_modulus_of_a_maxwell_element():
     for omega in (0.3, 1.0, 3.0):
         found, exact = modulus("viscoelasticity", "maxwell", omega, stiffness=0.2, time=1.0), 0.2 * omega * 1j / (1 + omega * 1j)
