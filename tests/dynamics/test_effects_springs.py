@@ -70,6 +70,25 @@ def test_a_spring_with_hysteresis_follows_its_curves_out_and_back(skew, way):
     assert travelled == pytest.approx(np.log1p(back * top) / back, rel=1e-3)
 
 
+@pytest.mark.parametrize("skew", [-0.8, 0.0, 0.6])
+@pytest.mark.parametrize(("way", "steps"), [(1.0, 4000), (-1.0, 4000), (1.0, 3)])
+def test_hysteresis_of_exponent_two_follows_its_curves_out_and_back(skew, way, steps):
+    """dz/dx = 1 - (1 + skew) z^2 out from nothing, a tanh, and 1 + (1 - skew) z^2 back to where it bears nothing, a tan."""
+    law, size, distance = find("spring_hysteresis", "squared"), 0.7, 0.2
+    p, exact = parameters(law, size=size, distance=distance, skew=skew), 1e-4 if steps > 3 else 0.1
+    z, v, out, back = (0.0,), way * 0.3 / (steps * H), np.sqrt(1.0 + skew), np.sqrt(1.0 - skew)
+    for _ in range(steps):
+        push, z = law.law(Joint(0.0, v, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, z)
+    top = np.tanh(1.5 * out) / out
+    assert push.force == pytest.approx(-way * size * top, rel=exact)
+    assert push.stiffness == pytest.approx(size / distance * (1.0 - (out * top) ** 2), rel=10.0 * exact)
+    travelled = 0.0
+    while way * z[0] > 0.0:
+        _, z = law.law(Joint(0.0, -0.1 * v, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, z)
+        travelled += 0.1 * abs(v) * H / distance
+    assert travelled == pytest.approx(np.arctan(back * top) / back, rel=10.0 * exact)
+
+
 @given(st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=30))
 def test_hysteresis_without_skew_is_dry_friction_with_presliding(ways):
     """As its entry in the library says: whatever the motion."""

@@ -112,12 +112,15 @@ def test_sliders_that_yield_one_by_one_have_masings_loops():
     assert down == pytest.approx(first[-1] - 2.0 * np.interp(0.5 * (0.3 - back), out, first), abs=1e-12)
 
 
-def test_bouc_and_wens_loop_follows_its_curves():
-    v, n, p = 0.004, 4000, {"stiffness": 2.0, "reach": 0.1, "back": 4.0}  # rad/ms in steps of 0.01 ms: 0.16 rad out, and back
-    z = drive("bouc_wen_squared", p, v=np.r_[np.full(n, v), np.full(n, -v)], dt=0.01)[:, TAU] / (-2.0 * 0.1)
-    assert z[n - 1] == pytest.approx(np.tanh(1.6), rel=1e-3)
-    borne = np.flatnonzero(z[n:] < 0.0)[0] * 0.01 * v / 0.1
-    assert borne == pytest.approx(np.arctan(2.0 * np.tanh(1.6)) / 2.0, rel=2e-3)
+@pytest.mark.parametrize(("power", "out", "back"), [  # exponents whose curves are known
+    (2.0, np.tanh(1.6), np.arctan(2.0 * np.tanh(1.6)) / 2.0),
+    (1.0, 1.0 - np.exp(-1.6), np.log1p(4.0 * (1.0 - np.exp(-1.6))) / 4.0),
+])  # fmt: skip
+def test_bouc_and_wens_loop_follows_its_curves(power, out, back):
+    v, n, p = 0.004, 4000, {"stiffness": 2.0, "reach": 0.1, "back": 4.0, "power": power}  # 0.16 rad out, and back
+    z = drive("bouc_wen_power", p, v=np.r_[np.full(n, v), np.full(n, -v)], dt=0.01)[:, TAU] / (-2.0 * 0.1)
+    assert z[n - 1] == pytest.approx(out, rel=1e-3)
+    assert np.flatnonzero(z[n:] < 0.0)[0] * 0.01 * v / 0.1 == pytest.approx(back, rel=2e-3)
 
 
 @pytest.mark.parametrize("hertz", [5.0, 50.0])

@@ -108,12 +108,13 @@ def iwan(i, t, dt, w, p, s):
     w[TAU + i] -= torque
 
 
-@law("spring_hysteresis", size="stiffness", places=ANY, states=1, stiffness=(2e-3, 3.0), reach=(0.05, 0.4), back=(3.0, 9.0))
-def bouc_wen_squared(i, t, dt, w, p, s):
-    """Bouc and Wen's equation with exponent two, and a curve that is steeper on the way back than on the way out."""
+@law("spring_hysteresis", size="stiffness", places=ANY, states=1, stiffness=(2e-3, 3.0), reach=(0.05, 0.4), back=(3.0, 9.0),
+     power=(1.2, 3.0))  # fmt: skip
+def bouc_wen_power(i, t, dt, w, p, s):
+    """Bouc and Wen's equation with any exponent, and a curve that is steeper on the way back than on the way out."""
     way = dt * w[V + i] / p[1]
-    middle = s[0] + 0.5 * way * (1.0 - (1.0 if way * s[0] > 0.0 else -p[2]) * s[0] * s[0])
-    new = s[0] + way * (1.0 - (1.0 if way * middle > 0.0 else -p[2]) * middle * middle)
+    middle = s[0] + 0.5 * way * (1.0 - (1.0 if way * s[0] > 0.0 else -p[2]) * abs(s[0]) ** p[3])
+    new = s[0] + way * (1.0 - (1.0 if way * middle > 0.0 else -p[2]) * abs(middle) ** p[3])
     w[TAU + i] -= p[0] * p[1] * 0.5 * (s[0] + new)
     s[0] = new
 

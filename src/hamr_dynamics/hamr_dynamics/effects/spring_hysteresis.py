@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum, positive
+from ..scalar import maximum, positive, sqrt
 from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
@@ -16,16 +16,33 @@ def bouc_wen(x: Joint, p, z):
     return Push(-(p["size"] * new), stiffness=p["size"] * maximum(slope, 0.0)), (new,)
 
 
+def squared(x: Joint, p, z):
+    """-size z, dz/dt = (v - |v| |z| z - skew v z^2) / distance: the same of exponent two, which bends later and then faster."""
+    ahead = x.step * x.v / p["distance"]
+    loading = positive(ahead * z[0])
+    bend = loading * (1.0 + p["skew"]) - (1.0 - loading) * (1.0 - p["skew"])  # dz = (1 - bend z^2) along the way
+    near = ahead / sqrt(1.0 + loading * bend * ahead * ahead)  # no further than the limit
+    new = (z[0] + near) / (1.0 + bend * near * z[0])  # tanh or tan of a sum
+    return Push(-(p["size"] * new), stiffness=p["size"] / p["distance"] * maximum(1.0 - bend * new * new, 0.0)), (new,)
+
+
+SIZE = Parameter("size", "F", 0.3, 0.0, 100.0, "force at which the loop has bent")
+DISTANCE = Parameter("distance", "Q", 1.0, 0.02, 20.0, "way over which a turn is forgotten", shape=True, screen=(0.5, 2.0))
+
+
+def _skew(low: float, *screen: float) -> Parameter:
+    return Parameter("skew", "1", 0.0, low, 1.0, "by how much more it yields on the way out than back", shape=True, screen=screen)
+
+
 EFFECT = Effect(
     name="spring_hysteresis",
     part="transmission",
     summary="A loop between angle and force of a joint's spring that does not depend on how fast it is run through.",
-    forms=(Form("bouc_wen", "force", bouc_wen, (
-        Parameter("size", "F", 0.3, 0.0, 100.0, "force at which the loop has bent"),
-        Parameter("distance", "Q", 1.0, 0.02, 20.0, "way over which a turn is forgotten", shape=True, screen=(0.5, 2.0)),
-        Parameter("skew", "1", 0.0, -3.0, 1.0, "by how much more it yields on the way out than back", shape=True, screen=(-1.2, 0.0)),
-    ), states=1),),
+    forms=(
+        Form("bouc_wen", "force", bouc_wen, (SIZE, DISTANCE, _skew(-3.0, -1.2, 0.0)), states=1),
+        Form("squared", "force", squared, (SIZE, DISTANCE, _skew(-0.9, -0.6, 0.4)), states=1),
+    ),
     experiment="slow triangles of two amplitudes, with minor loops",
     source="Bouc 1967, Wen 1976; benchmark of hysteresis: Noel and Schoukens 2016",
     contains=("coulomb_friction",),  # without skew, and a short way
-)  # fmt: skip
+)
