@@ -14,8 +14,8 @@ from .fit import ROUNDS, Fit, fit
 from .left import left_of
 from .prepare import Prepared, prepare, settled
 from .screen import Screen, Solution
-from .setting import effect_parameters
-from .starts import best_start
+from .setting import effect_parameters, setting
+from .starts import best_start, start
 from .walk import Walk
 
 BRIEF, EACH = 3, 2  # rounds of a first look at every effect, and which segments it takes: every second
@@ -129,26 +129,37 @@ def _one_of_each(solutions: Sequence[Solution], count: int) -> list[Solution]:
 
 
 def _polish(state: Search) -> None:
-    """Takes up the best again from better starts: those of the re-tuned model may have feet where only a wrong model puts them."""
+    """Takes up the best again from better starts: those of the re-tuned model may have feet where only a wrong model puts them.
+
+    So may its parameters be where only a want of the effect has put them, and the model as given, with the effect, is the better place.
+    """
     for h in sorted(state.tried, key=lambda h: h.left)[:POLISHED]:
         if h.left < RIVAL * state.best.left:
-            state.tried[state.tried.index(h)] = _settled(state, h)
+            ways = [_settled(state, found) for found in (h.fit, _from_given(state, h.fit))]
+            state.tried[state.tried.index(h)] = min(ways, key=lambda way: way.fit.cost)
+
+
+def _from_given(state: Search, found: Fit) -> Fit:
+    """A fit anew from the model as given, with the effects as they were found."""
+    replay, x = state.prepared.parts["fit"], found.x.copy()
+    x[: len(state.base.fit.free)] = 0.0
+    return fit(replay, found.free, x, found.effects, start(replay, setting(found.free, x, found.effects)).change)
 
 
 def _settle(state: Search) -> None:
     """The same with what is best now, until it stays the best."""
     for _ in range(SETTLING):
         at = state.tried.index(state.best)
-        state.tried[at] = _settled(state, state.best)
+        state.tried[at] = _settled(state, state.best.fit)
         if state.tried[at] is state.best:
             break
 
 
-def _settled(state: Search, h: Hypothesis) -> Hypothesis:
+def _settled(state: Search, found: Fit) -> Hypothesis:
     parts = state.prepared.parts
-    found = settled(parts["fit"], h.fit, TIMES)
+    found = settled(parts["fit"], found, TIMES)
     left = left_of(parts["select"], best_start(parts["select"], found.model, state.prepared.starts["select"].change))
-    return Hypothesis(h.effects, found, *left)
+    return Hypothesis(found.effects, found, *left)
 
 
 def _pairs(state: Search, seen: Screen, singles: Sequence[Solution]) -> list[Hypothesis]:
