@@ -89,6 +89,21 @@ def test_hysteresis_of_exponent_two_follows_its_curves_out_and_back(skew, way, s
     assert travelled == pytest.approx(np.arctan(back * top) / back, rel=10.0 * exact)
 
 
+@pytest.mark.parametrize("rate", [0.1, 2.0])
+def test_sliders_have_masings_loops(rate):
+    """On the way back the curve is the first one twice as large (Masing 1926), at any rate."""
+    law = find("spring_hysteresis", "sliders")
+    p = parameters(law, width=0.4, stiffness1=0.3, stiffness2=0.2, stiffness3=0.4, stiffness4=0.1)
+    z, force, step = (0.0,) * 4, [0.0], rate * H
+    for way in [step] * round(1.0 / step) + [-step] * round(1.6 / step):
+        push, z = law.law(Joint(0.0, way / H, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, z)
+        force.append(float(push.force))
+    first, back = np.split(np.array(force), [round(1.0 / step) + 1])
+    assert first[-1] == pytest.approx(-(0.3 * 0.1 + 0.2 * 0.2 + 0.4 * 0.4 + 0.1 * 0.8))  # where all have yielded
+    way, there = step * np.arange(1, len(back) + 1), step * np.arange(len(first))
+    assert back - first[-1] == pytest.approx(-2.0 * np.interp(0.5 * way, there, first), abs=1e-9)
+
+
 @given(st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=30))
 def test_hysteresis_without_skew_is_dry_friction_with_presliding(ways):
     """As its entry in the library says: whatever the motion."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum, positive, sqrt
+from ..scalar import clip, maximum, positive, sqrt
 from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
@@ -26,6 +26,20 @@ def squared(x: Joint, p, z):
     return Push(-(p["size"] * new), stiffness=p["size"] / p["distance"] * maximum(1.0 - bend * new * new, 0.0)), (new,)
 
 
+def sliders(x: Joint, p, z):
+    """Springs in series with dry sliders, four that yield at twists of a quarter to twice the width (Maxwell slip, Iwan)."""
+    force, stiffness, new = 0.0, 0.0, []
+    for i, (share, twist) in enumerate(zip(YIELDS, z, strict=True)):
+        limit, free = share * p["width"], twist + x.step * x.v
+        held = clip(free, -limit, limit)
+        new.append(held)
+        k = p[f"stiffness{i + 1}"]
+        force = force - k * held
+        stiffness = stiffness + k * (1.0 - positive(maximum(free, -free) - limit))
+    return Push(force, stiffness=maximum(stiffness, 0.0)), tuple(new)
+
+
+YIELDS = (0.25, 0.5, 1.0, 2.0)
 SIZE = Parameter("size", "F", 0.3, 0.0, 100.0, "force at which the loop has bent")
 DISTANCE = Parameter("distance", "Q", 1.0, 0.02, 20.0, "way over which a turn is forgotten", shape=True, screen=(0.5, 2.0))
 
@@ -39,10 +53,14 @@ EFFECT = Effect(
     part="transmission",
     summary="A loop between angle and force of a joint's spring that does not depend on how fast it is run through.",
     forms=(
-        Form("bouc_wen", "force", bouc_wen, (SIZE, DISTANCE, _skew(-3.0, -1.2, 0.0)), states=1),
-        Form("squared", "force", squared, (SIZE, DISTANCE, _skew(-0.9, -0.6, 0.4)), states=1),
+        Form("bouc_wen", "force", bouc_wen, (SIZE, DISTANCE, _skew(-3.0, -1.2, 0.0, 0.9)), states=1),
+        Form("squared", "force", squared, (SIZE, DISTANCE, _skew(-0.9, -0.6, 0.5)), states=1),
+        Form("sliders", "force", sliders, (
+            *(Parameter(f"stiffness{i + 1}", "F/Q", 0.05, -1.0, 10.0, f"that yields at {y:g} widths") for i, y in enumerate(YIELDS)),
+            Parameter("width", "Q", 0.8, 0.02, 10.0, "unit of the twists", shape=True, screen=(0.8,)),
+        ), states=4),
     ),
     experiment="slow triangles of two amplitudes, with minor loops",
-    source="Bouc 1967, Wen 1976; benchmark of hysteresis: Noel and Schoukens 2016",
+    source="Bouc 1967, Wen 1976; Iwan 1966; benchmark of hysteresis: Noel and Schoukens 2016",
     contains=("coulomb_friction",),  # without skew, and a short way
-)
+)  # fmt: skip
