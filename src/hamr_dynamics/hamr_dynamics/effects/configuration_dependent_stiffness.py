@@ -32,18 +32,18 @@ def well(x: Joint, p, z):
 
 def valley(x: Joint, p, z):
     """Force of the potential stiffness width^2 sqrt(1 + ((q - centre)/width)^2): a spring near the centre, a constant force far off."""
-    force, stiffness = _leaving(x.q, p)
+    force, stiffness = _valley(x.q, p)
     return Push(force, stiffness=stiffness), z
 
 
 def oblique(x: Pair, p, z):
     """The same across both angles, with cos(direction) swing + sin(direction) lift as q: a hinge whose axis is oblique to the joints'."""
     along, across = cos(p["direction"]), sin(p["direction"])
-    force, k = _leaving(along * x.q[0] + across * x.q[1], p)
+    force, k = _valley(along * x.q[0] + across * x.q[1], p)
     return PairPush((along * force, across * force), stiffness=(k * along * along, k * along * across, k * across * across)), z
 
 
-def _leaving(q, p):
+def _valley(q, p):
     """Force and stiffness of a valley."""
     at = (q - p["centre"]) / p["width"]
     slant = 1.0 / sqrt(1.0 + at * at)

@@ -6,6 +6,8 @@ from ..scalar import clip, maximum, positive, sqrt
 from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
+YIELDS = (0.25, 0.5, 1.0, 2.0)  # of sliders, in widths
+
 
 def bouc_wen(x: Joint, p, z):
     """-size z, dz/dt = (v - |v| z - skew v |z|) / distance (Bouc-Wen of exponent one, whose alpha, beta gamma and delta / gamma are
@@ -39,7 +41,6 @@ def sliders(x: Joint, p, z):
     return Push(force, stiffness=maximum(stiffness, 0.0)), tuple(new)
 
 
-YIELDS = (0.25, 0.5, 1.0, 2.0)
 SIZE = Parameter("size", "F", 0.3, 0.0, 100.0, "force at which the loop has bent")
 DISTANCE = Parameter("distance", "Q", 1.0, 0.02, 20.0, "way over which a turn is forgotten", shape=True, screen=(0.5, 2.0))
 

@@ -19,7 +19,7 @@ def ladder(x: Joint, p, z):
 
 
 def fractional(x: Joint, p, z):
-    """The same with elements that are stiffer the sooner they relax, each `rise` times as stiff as the one before: the loss modulus, and
+    """The same with elements that are stiffer the sooner they relax, each `rise` times as stiff as the next slower: the loss modulus, and
     the stiffness with it, grow as a power of the frequency, log4(rise), as of a fractional derivative."""
     return _relaxing(x, p, z, p["rise"])
 

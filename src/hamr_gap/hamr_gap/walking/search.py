@@ -135,8 +135,7 @@ def _polish(state: Search) -> None:
     """
     for h in sorted(state.tried, key=lambda h: h.left)[:POLISHED]:
         if h.left < RIVAL * state.best.left:
-            ways = [_settled(state, found) for found in (h.fit, _from_given(state, h.fit))]
-            state.tried[state.tried.index(h)] = min(ways, key=lambda way: way.fit.cost)
+            state.tried[state.tried.index(h)] = _settled(state, h.fit, _from_given(state, h.fit))
 
 
 def _from_given(state: Search, found: Fit) -> Fit:
@@ -155,9 +154,10 @@ def _settle(state: Search) -> None:
             break
 
 
-def _settled(state: Search, found: Fit) -> Hypothesis:
+def _settled(state: Search, *begun: Fit) -> Hypothesis:
+    """The best of fits, each taken up again from better starts."""
     parts = state.prepared.parts
-    found = settled(parts["fit"], found, TIMES)
+    found = min((settled(parts["fit"], each, TIMES) for each in begun), key=lambda each: each.cost)
     left = left_of(parts["select"], best_start(parts["select"], found.model, state.prepared.starts["select"].change))
     return Hypothesis(found.effects, found, *left)
 
