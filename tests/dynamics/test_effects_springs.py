@@ -89,6 +89,13 @@ def test_hysteresis_of_exponent_two_follows_its_curves_out_and_back(skew, way, s
     assert travelled == pytest.approx(np.arctan(back * top) / back, rel=10.0 * exact)
 
 
+@pytest.mark.parametrize("skew", [-0.8, 0.0, 0.6])
+def test_one_long_step_ends_at_the_limit_of_hysteresis(skew):
+    law = find("spring_hysteresis", "squared")
+    push, _ = law.law(Joint(0.0, 500.0 / H, 0.0, 1.0, 1.0, 0.0, H, 9.0), parameters(law, size=1.0, distance=1.0, skew=skew), (0.2,))
+    assert push.force == pytest.approx(-1.0 / np.sqrt(1.0 + skew), rel=1e-3)
+
+
 @pytest.mark.parametrize("rate", [0.1, 2.0])
 def test_sliders_have_masings_loops(rate):
     """On the way back the curve is the first one twice as large (Masing 1926), at any rate."""
@@ -100,6 +107,8 @@ def test_sliders_have_masings_loops(rate):
         force.append(float(push.force))
     first, back = np.split(np.array(force), [round(1.0 / step) + 1])
     assert first[-1] == pytest.approx(-(0.3 * 0.1 + 0.2 * 0.2 + 0.4 * 0.4 + 0.1 * 0.8))  # where all have yielded
+    pushes = [law.law(Joint(0.0, way / H, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, (0.0,) * 4)[0] for way in (0.05, 0.15, 0.3, 0.6, 1.0)]
+    assert [push.stiffness for push in pushes] == pytest.approx([1.0, 0.7, 0.5, 0.1, 0.0])  # of those that still hold
     way, there = step * np.arange(1, len(back) + 1), step * np.arange(len(first))
     assert back - first[-1] == pytest.approx(-2.0 * np.interp(0.5 * way, there, first), abs=1e-9)
 
