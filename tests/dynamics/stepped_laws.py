@@ -18,15 +18,15 @@ def parameters(form, **given: float) -> dict[str, float]:
     return {name: np.float64(value) for name, value in values.items()}  # 1 / 0 is infinite, as in the kernels
 
 
-def free_decay(effect: str, form: str, turns: int, **given: float) -> tuple[np.ndarray, float]:
-    """(amplitudes at successive maxima, angular frequency) of q'' + q = force of the law, from q = 1 at rest; leapfrog."""
+def free_decay(effect: str, form: str, turns: int, drive: float = 0.0, **given: float) -> tuple[np.ndarray, float]:
+    """(amplitudes at successive maxima, angular frequency) of q'' + q = drive + force of the law, from q = 1 at rest; leapfrog."""
     law = find(effect, form)
     p, z, q, v = parameters(law, **given), (0.0,) * law.states, 1.0, 0.0
     tops, times, t = [1.0], [0.0], 0.0
     while len(tops) <= turns:
         middle = q + 0.5 * H * v
-        push, z = law.law(Joint(middle, v, 0.0, 1.0, 1.0, t, H, 9.0), p, z)
-        before, v = v, v + H * (float(push.force) - middle) / (1.0 + 0.5 * H * float(push.damping))
+        push, z = law.law(Joint(middle, v, drive, 1.0, 1.0, t, H, 9.0), p, z)
+        before, v = v, v + H * (drive + float(push.force) - middle) / (1.0 + 0.5 * H * float(push.damping))
         q, t = middle + 0.5 * H * v, t + H
         if before > 0.0 >= v:
             tops.append(q)

@@ -25,6 +25,40 @@ def test_coulomb_friction_takes_the_same_amplitude_every_turn():
     assert -np.diff(tops) == pytest.approx(np.full(3, 0.08), rel=0.02)  # the excess is gone when it slides
 
 
+@pytest.mark.parametrize("drive", [0.1, -0.1])
+def test_friction_grows_with_the_load(drive):
+    """4 (F + share |drive|) / k of every turn about where the drive holds the spring."""
+    tops, _ = free_decay("coulomb_friction", "loaded", 6, drive=drive, level=0.01, share=0.1, width=1e-4)
+    assert -np.diff(tops) == pytest.approx(np.full(6, 0.08), rel=0.01)
+
+
+@pytest.mark.parametrize(("effect", "form", "sizes"), [
+    ("coulomb_friction", "sign", {"level": 0.02}),
+    ("coulomb_friction", "asymmetric", {"level": 0.02, "difference": 0.01}),
+    ("coulomb_friction", "loaded", {"level": 0.02, "share": 0.1}),
+    ("stribeck_friction", "lorentzian", {"level": 0.02, "excess": 0.03}),
+    ("stribeck_friction", "loaded", {"level": 0.02, "share": 0.1, "boost": 0.5}),
+])  # fmt: skip
+@pytest.mark.parametrize("rate", [-3e-3, 0.0, 1e-3, 5e-3])
+def test_friction_at_standstill_damps_as_its_force_changes(effect, form, sizes, rate):
+    """-d force / d rate for the implicit step, without which so steep a force would not be stable."""
+    law = find(effect, form)
+    p = parameters(law, width=5e-3, **sizes)
+    before, at, after = (law.law(Joint(0.0, v, 0.4, 1.0, 1.0, 0.0, 1e-3, 9.0), p, ())[0] for v in (rate - 1e-7, rate, rate + 1e-7))
+    # the bell of Stribeck's falls little within the width
+    assert float(at.damping) == pytest.approx(-(float(after.force) - float(before.force)) / 2e-7, rel=5e-3)
+
+
+@pytest.mark.parametrize(("rate", "share"), [(1e-3, 1.5), (0.2, 1.25), (20.0, 1.0)])
+def test_friction_under_load_falls_with_speed(rate, share):
+    """By all of its boost near standstill, by half of it at the speed, by none of it far beyond; for the constant part and the load's."""
+    law = find("stribeck_friction", "loaded")
+    p = parameters(law, level=0.02, share=0.1, boost=0.5, speed=0.2, width=1e-5)
+    for way in (1.0, -1.0):
+        push, _ = law.law(Joint(0.0, way * rate, -0.3, 1.0, 1.0, 0.0, 1e-3, 9.0), p, ())
+        assert float(push.force) == pytest.approx(-way * share * (0.02 + 0.1 * 0.3), rel=1e-3)
+
+
 @pytest.mark.parametrize("sharpness", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize(("effect", "given", "slow", "fast"), [
     ("coulomb_friction", {"level": 0.02}, 0.02, 0.02),

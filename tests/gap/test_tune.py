@@ -17,8 +17,9 @@ from hamr_gap.show import show
 SLIDE = linear_machine("slide", inertia=1.0, stiffness=20.0, damping=6.0, joint="slide")
 
 
-def sticking(friction: float) -> Record:
-    """80 s of a slide on a spring under slow noise, with N of dry friction that stops it exactly; nobody says where it began."""
+def sticking(friction: float, share: float = 0.0) -> Record:
+    """80 s of a slide on a spring under slow noise, with N of dry friction, and a share of the drive, that stop it exactly; nobody says
+    where it began."""
     step, fine, n, q, v = 0.01, 20, 8000, 0.2, 0.0
     random = np.random.default_rng(1)
     drive = sosfilt(butter(3, 0.7, fs=1.0 / step, output="sos"), random.standard_normal(n))
@@ -27,7 +28,7 @@ def sticking(friction: float) -> Record:
         seen[i] = q
         for _ in range(fine):
             v += h * (u - 20.0 * q - 6.0 * v)
-            v = np.sign(v) * max(abs(v) - h * friction, 0.0)
+            v = np.sign(v) * max(abs(v) - h * (friction + share * abs(u)), 0.0)
             q += h * v
     read = seen + random.normal(0.0, 1e-3 * np.ptp(seen), n)
     return Record(drive[:, None], read[:, None], step, ("slide",), held=True, rest=False)
@@ -44,6 +45,16 @@ def test_free_runs_that_go_astray_give_way_to_short_ones(friction, astray):
     (effect,) = verdict.set[0].effects
     assert effect.effect == "coulomb_friction"
     assert effect.parameters["level"]["slide"].value == pytest.approx(friction, rel=0.02)
+
+
+def test_friction_that_grows_with_the_load_is_told_from_what_does_not():
+    """As of a geared servo: neither size alone leaves so little."""
+    verdict = analyse(SLIDE, sticking(0.8, share=0.2)).verdict
+    assert verdict.verdict == "named"
+    (effect,) = verdict.set[0].effects
+    assert (effect.effect, effect.form) == ("coulomb_friction", "loaded")
+    sizes = {name: effect.parameters[name]["slide"].value for name in ("level", "share")}
+    assert sizes == {"level": pytest.approx(0.8, rel=0.05), "share": pytest.approx(0.2, rel=0.05)}
 
 
 def test_what_stays_in_short_runs_is_shown_in_them(monkeypatch):

@@ -22,6 +22,7 @@ from hamr_description.numbers import value
 from hamr_description.rates import SUBSTEPS, TARGET_HZ
 from hamr_description.simple_constants import simple_constants
 from hamr_dynamics.batch import BatchSim
+from hamr_dynamics.effects.effects_file import EffectsFile, PlacedEffect
 from hamr_dynamics.engine import ROWS, Engine
 from hamr_sim_full.actuator import bender
 from hamr_sim_full.engines import make_engine as make_full
@@ -35,6 +36,8 @@ from hamr_sim_residual.residual_plant import SHIPPED, residual_plant, torque_dri
 ROUNDS, ROBOTS = 25, 256
 TROT_HZ, AMPLITUDE = 10.0, 0.2  # strides per second, rad
 ONE_STEP = "one 50 us substep of one robot, with leg law, one core"
+#: Any one effect brings the whole bank of laws with it.
+EFFECTS = EffectsFile((PlacedEffect("cubic_stiffness", "cubic", JOINTS, {"cubic": 1e-3}),))
 Round = Callable[[], int]  # one round; how many substeps of one robot it was
 
 
@@ -47,9 +50,9 @@ def trot(k: int) -> np.ndarray:
     return AMPLITUDE * side * np.sin(angle)
 
 
-def batch(plant, dtype: str, n: int = ROBOTS) -> Round:
+def batch(plant, dtype: str, n: int = ROBOTS, effects: EffectsFile | None = None) -> Round:
     """A batch of robots trotting; a round is five policy periods."""
-    sim, count = BatchSim(plant, n, dtype=np.dtype(dtype)), iter(range(10**9))
+    sim, count = BatchSim(plant, n, dtype=np.dtype(dtype), effects=effects), iter(range(10**9))
 
     def go() -> int:
         for _ in range(5):
@@ -136,12 +139,16 @@ def steps() -> Iterator[dict]:
         "residual 2 x 100 per leg": torque_driven(random_network("leg")),
     }
     kernels = {f"{name}, {dtype}": batch(plant, dtype) for name, plant in plants.items() for dtype in ("float64", "float32")}
-    best = race({f"MuJoCo {name}": go for name, go in oracle.items()} | kernels, ONE_STEP)
+    laws = {f"{name}, float64, with effects": batch(name, "float64", effects=EFFECTS) for name in oracle}
+    best = race({f"MuJoCo {name}": go for name, go in oracle.items()} | kernels | laws, ONE_STEP)
     for name in oracle:
         yield row(f"substep, MuJoCo {name}", 1e6 * best[f"MuJoCo {name}"], "us")
     for name in kernels:
         versus = "MuJoCo simple" if name.startswith("simple") else "MuJoCo full"
         yield row(f"substep, kernel {name}", 1e6 * best[name], "us", versus, best[versus] / best[name])
+    for name in laws:
+        versus = name.removesuffix(", with effects")
+        yield row(f"substep, kernel {name}", 1e6 * best[name], "us", f"kernel {versus}", best[versus] / best[name])
 
 
 def _linear() -> Iterator[dict]:

@@ -1,4 +1,4 @@
-"""Dry friction of a joint: a force of constant size against the motion."""
+"""Dry friction of a joint: a force against the motion, however fast that is."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from .law import Effect, Form, Joint, Parameter, Push
 
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
 DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
+SHARE = Parameter("share", "1", 0.05, 0.0, 1.0, "of the drive's force, by which it grows")
 WIDTH = Parameter("width", "Q/T", 0.02, 1e-4, 0.3, "rate at which the force has reached 0.7 of its level", shape=True, screen=(0.02,))
 DISTANCE = Parameter("distance", "Q", 0.03, 1e-4, 1.0, "way over which bristles yield before sliding", shape=True, screen=(0.01, 0.1))
 SHARPNESS = Parameter("sharpness", "1", 0.5, 0.0, 1.0, "share of the bristles that yield all at once", shape=True)
@@ -19,10 +20,20 @@ def gliding(v, width):
     return v / size, width * width / (size * size * size)
 
 
+def sliding(x: Joint, width, size) -> Push:
+    """-size sign(v), of a size that does not depend on the rate, or changes slowly with it."""
+    direction, slope = gliding(x.v, width)
+    return Push(-(size * direction), damping=size * slope)
+
+
+def under_load(x: Joint, p):
+    """Size of a friction that grows with the force of the drive: teeth and screws press harder on each other the more they bear."""
+    return p["level"] + p["share"] * maximum(x.drive, -x.drive)
+
+
 def sign(x: Joint, p, z):
     """-level sign(v)."""
-    direction, slope = gliding(x.v, p["width"])
-    return Push(-(p["level"] * direction), damping=p["level"] * slope), z
+    return sliding(x, p["width"], p["level"]), z
 
 
 def asymmetric(x: Joint, p, z):
@@ -30,6 +41,11 @@ def asymmetric(x: Joint, p, z):
     direction, slope = gliding(x.v, p["width"])
     size = p["level"] + p["difference"] * direction
     return Push(-(size * direction), damping=(size + p["difference"] * direction) * slope), z
+
+
+def loaded(x: Joint, p, z):
+    """-(level + share |drive|) sign(v)."""
+    return sliding(x, p["width"], under_load(x, p)), z
 
 
 def presliding(x: Joint, p, z):
@@ -66,14 +82,16 @@ def lugre(x: Joint, p, z):
 EFFECT = Effect(
     name="coulomb_friction",
     part="transmission",
-    summary="A friction force of constant size against the motion of a joint.",
+    summary="A friction force against the motion of a joint that does not depend on how fast it is.",
     forms=(
         Form("sign", "force", sign, (LEVEL, WIDTH)),
         Form("presliding", "force", presliding, (LEVEL, DISTANCE), states=1),
         Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE, SHARPNESS), states=2),
         Form("asymmetric", "force", asymmetric,
              (LEVEL, Parameter("difference", "F", 0.01, -10.0, 10.0, "half the difference of the two directions"), WIDTH)),
+        Form("loaded", "force", loaded, (LEVEL, SHARE, WIDTH)),
     ),  # fmt: skip
     experiment="small slow reversals beside large fast ones: the equivalent damping falls as one over the amplitude",
-    source="Coulomb 1785; presliding: Dahl 1968; LuGre: Canudas de Wit et al. 1995; robot joints: Janot, Gautier, Brunot 2019 (EMPS)",
+    source="Coulomb 1785; presliding: Dahl 1968; LuGre: Canudas de Wit et al. 1995; robot joints: Janot, Gautier, Brunot 2019 (EMPS); "
+    "with the load: Duclusaud, Passault et al. 2024, Extended friction models for the physics simulation of servo actuators",
 )

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from .coulomb_friction import DAMPER, DISTANCE, LEVEL, SHARPNESS, WIDTH, bristles, gliding
-from .law import Effect, Form, Joint, Parameter, Push
+from .coulomb_friction import DAMPER, DISTANCE, LEVEL, SHARE, SHARPNESS, WIDTH, bristles, sliding, under_load
+from .law import Effect, Form, Joint, Parameter
 
 LITTLE = 1e-12  # of a force
 
 
+def bell(ratio):
+    """1 at standstill, a half at the speed, 0 far beyond."""
+    return 1.0 / (1.0 + ratio * ratio)
+
+
 def lorentzian(x: Joint, p, z):
     """-(level + excess / (1 + (v/speed)^2)) sign(v)."""
-    direction, slope = gliding(x.v, p["width"])
-    ratio = x.v / p["speed"]
-    bell = 1.0 / (1.0 + ratio * ratio)
-    size = p["level"] + p["excess"] * bell
-    return Push(-(size * direction), damping=size * slope), z
+    return sliding(x, p["width"], p["level"] + p["excess"] * bell(x.v / p["speed"])), z
+
+
+def loaded(x: Joint, p, z):
+    """-(level + share |drive|) (1 + boost / (1 + (v/speed)^2)) sign(v): as of coulomb_friction, and larger near standstill."""
+    return sliding(x, p["width"], under_load(x, p) * (1.0 + p["boost"] * bell(x.v / p["speed"]))), z
 
 
 def lugre(x: Joint, p, z):
@@ -29,6 +35,7 @@ def lugre(x: Joint, p, z):
 
 
 EXCESS = Parameter("excess", "F", 0.05, 0.0, 10.0, "how much larger it is near standstill")
+BOOST = Parameter("boost", "1", 0.5, 0.0, 5.0, "share by which it is larger near standstill", shape=True)
 SPEED = Parameter("speed", "Q/T", 0.3, 0.01, 5.0, "rate at which half the excess is left", shape=True, screen=(0.1, 0.4))
 
 EFFECT = Effect(
@@ -37,6 +44,7 @@ EFFECT = Effect(
     summary="Dry friction of a joint that falls from a larger value near standstill to a smaller one with speed.",
     forms=(
         Form("lorentzian", "force", lorentzian, (LEVEL, EXCESS, SPEED, WIDTH)),
+        Form("loaded", "force", loaded, (LEVEL, SHARE, BOOST, SPEED, WIDTH)),
         Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, DISTANCE, SHARPNESS), states=2),
     ),  # fmt: skip
     experiment="slow breakaway ramps and constant speeds",
