@@ -5,8 +5,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from hamr_gap.hypothesis import Hypothesis
 from hamr_gap.parameters import Candidate
+from hamr_gap.search import Search
 from hamr_gap.weigh import UNKNOWN, weigh
 
 
@@ -72,3 +75,23 @@ def test_a_name_must_leave_less_throughout_than_its_special_case():
     assert "stribeck_friction_1" in weights(coulomb_friction=0.01, stribeck_friction_1=0.01)  # of another joint it is no case
     beside = weights(drive_lag=0.5, coulomb_friction__drive_lag=0.01, stribeck_friction__drive_lag=0.01)
     assert "coulomb_friction__drive_lag" in beside and "stribeck_friction__drive_lag" not in beside
+
+
+@pytest.mark.parametrize(("more", "in_blocks", "chosen"), [
+    (1.06, 2, "presliding"),  # luck of two blocks
+    (1.06, 24, "lugre"),  # a little, but throughout
+    (1.5, 2, "lugre"),  # little is what may be luck
+    (1.0, 24, "presliding"),
+])  # fmt: skip
+def test_of_forms_the_simplest_that_does_as_well_but_for_a_few_blocks(more, in_blocks, chosen):
+    """How much more the simpler one leaves on the whole, and in how many of 24 blocks."""
+    blocks = 1.0 + 0.02 * np.random.default_rng(5).standard_normal(24)
+    worse = blocks.copy()
+    worse[:in_blocks] += (more - 1.0) * 24 / in_blocks
+
+    def tried(form: str, blocks: np.ndarray) -> Hypothesis:
+        return Hypothesis((Candidate("coulomb_friction", form, (0,)),), None, float(blocks.mean()), blocks)
+
+    for several in ([tried("presliding", worse), tried("lugre", blocks)], [tried("lugre", blocks), tried("presliding", worse)]):
+        (found,) = Search(None, None, None, several).by_names().values()
+        assert found.effects[0].form == chosen

@@ -10,6 +10,7 @@ import numpy as np
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import CHANGES, Machine
 
+from .blocks import better
 from .candidates import missing
 from .colour import correlation_time
 from .detect import detectable
@@ -25,7 +26,7 @@ from .searched import searched
 from .si import channel_si, si_of
 from .unexplained import structural
 from .verdict import Answer, Estimate, Gap, NamedEffect, Verdict
-from .weigh import Weight, better, credible, weigh
+from .weigh import Weight, credible, weigh
 from .where import where
 
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried

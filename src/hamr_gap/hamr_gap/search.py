@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .blocks import THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, Start, refined, residual
@@ -15,7 +16,7 @@ from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
 from .sensor_steps import staircases, with_stairs
-from .simpler import narrowed, special_cases, without
+from .simpler import HARMLESS, narrowed, special_cases, without
 from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
@@ -62,11 +63,18 @@ class Search:
         return min((h for h in self.tried if len(h.effects) == size), key=lambda h: h.left)
 
     def by_names(self) -> dict[frozenset, Hypothesis]:
-        """The best hypothesis for every set of names; of forms that leave alike the one with fewer parameters."""
-        found: dict[frozenset, Hypothesis] = {}
+        """The best hypothesis for every set of names; of forms the one with fewest parameters that does as well but for a few blocks."""
+        forms: dict[frozenset, list[Hypothesis]] = {}
         for h in sorted(self.tried, key=lambda h: h.left * EARNED**h.parameters):
-            found.setdefault(h.names, h)
-        return found
+            forms.setdefault(h.names, []).append(h)
+        return {names: _simplest(found) for names, found in forms.items()}
+
+
+def _simplest(forms: Sequence[Hypothesis]) -> Hypothesis:
+    """Of forms of one name, the best first, the one with fewest parameters that is no worse throughout: chance may be all there is."""
+    best = forms[0]
+    alike = [h for h in forms if h.left < HARMLESS * best.left and better(h.blocks, best.blocks) < THROUGHOUT]
+    return min(alike, key=lambda h: h.parameters, default=best)
 
 
 def search(

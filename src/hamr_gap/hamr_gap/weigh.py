@@ -7,13 +7,14 @@ were chosen on development cases of `hamr gap bench` and are reported on others.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from hamr_dynamics.effects.library import library
 
+from .blocks import THROUGHOUT, better
 from .hypothesis import Hypothesis
 from .search import Search
 
@@ -23,8 +24,6 @@ FLOOR_ERROR = 0.03  # of what noise leaves, which is an estimate
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
 SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
-#: t over blocks by which each effect beyond the first must leave less, or a name than its special case: what it adds may be luck in a few.
-THROUGHOUT = 2.0
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 ANOTHER_SIZE = 0.1  # log odds against each size or shape
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
@@ -92,13 +91,3 @@ def credible(weights: Sequence[Weight]) -> list[Weight]:
         if total >= COVERAGE:
             break
     return chosen
-
-
-def better(worse: Iterable[float], best: Iterable[float]) -> float:
-    """t of the mean of (worse - best) / (worse + best) over blocks: large where the second leaves less throughout, strong blocks or weak.
-
-    That is half the log ratio where they differ little, and bounded, so that luck in one block does not decide.
-    """
-    d = np.tanh(0.5 * np.log(np.asarray(worse) / np.asarray(best)))
-    spread = d.std(ddof=1) / np.sqrt(len(d))
-    return float(d.mean() / spread) if spread > 0 else 0.0

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..analyse import CONFIRMED, SIGNIFICANT
+from ..blocks import better
 from ..hypothesis import Hypothesis
-from ..weigh import Weight, better, credible, weigh
+from ..weigh import Weight, credible, weigh
 from .left import left_of
 from .search import Search, search
 from .starts import start

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...analyse import SIGNIFICANT
+from ...blocks import better
 from ...hypothesis import Hypothesis, judge, left_of
 from ...parameters import Candidate
 from ...prepare import Prepared
 from ...roles import mask
 from ...search import noise_floor
-from ...weigh import better
 
 
 @dataclass(frozen=True)
