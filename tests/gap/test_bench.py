@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +11,9 @@ import pytest
 
 import hidden_gap
 from hamr_gap.analyse import analyse
+from hamr_gap.bench import listing
 from hamr_gap.bench.cases import LEG, from_plain, recorded, samples_of
-from hamr_gap.bench.score import names, rate
+from hamr_gap.bench.score import names, rate, scored
 from hamr_gap.bench.told import right_set
 from hamr_gap.legs import machine_of, record_of
 from hidden_gap.case import JOINTS, Case
@@ -61,3 +63,29 @@ def test_the_right_set_has_what_noise_free_data_do_not_tell_apart_and_nothing_th
 def test_shares_carry_exact_intervals():
     assert rate([True] * 10) == "100 % (69..100, n = 10)"  # Clopper-Pearson: 1 - 0.025^(1/10)
     assert rate([]) == "-"
+
+
+def test_every_case_has_a_line(tmp_path):
+    """What was hidden, what was answered first and with what probability; nothing said to be missing, no first answer."""
+    lag, play = ["drive_lag", "first_order", ["fl_lift"]], ["backlash", "dead_band", ["fl_swing", "fl_lift"]]
+    cases = [
+        (7, "pair", "ambiguous", [lag, play], [([lag], 0.6), ([lag, play], 0.35), (None, 0.05)]),
+        (3, "null", "parameters_only", [], [(None, 0.1)]),
+        (5, "outside", "unknown", [["outside", "", ["fl_lift"]]], [(None, 0.99)]),
+    ]  # fmt: skip
+    for name, group, verdict, truth, weights in cases:
+        answer = {"group": group, "effects": [{"family": e, "law": law, "joints": joints} for e, law, joints in truth]}
+        found = [{"effects": effects, "probability": p} for effects, p in weights]
+        for folder, content in (("answers", answer), ("verdicts", {"verdict": verdict, "weights": found, "best": 1.25, "seconds": 31.4})):
+            (tmp_path / folder).mkdir(exist_ok=True)
+            (tmp_path / folder / f"{name}.json").write_text(json.dumps(content))
+    listing.write(tmp_path / "cases.csv", [scored(tmp_path, name) for name, *_ in cases])
+    both = "backlash (fl_lift, fl_swing) + drive_lag (fl_lift)"
+    with (tmp_path / "cases.csv").open(newline="") as file:
+        rows = list(csv.reader(file))
+    assert rows == [
+        list(listing.COLUMNS),
+        ["3", "null", "", "parameters_only", "", "", "1", "0", "1.250", "31"],
+        ["5", "outside", "outside (fl_lift)", "unknown", "unknown", "0.990", "1", "0", "1.250", "31"],
+        ["7", "pair", both, "ambiguous", "drive_lag (fl_lift)", "0.600", "0", "1", "1.250", "31"],
+    ]

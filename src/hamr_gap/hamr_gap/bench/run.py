@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from hamr_description.errors import ConfigError
 
-from . import cases, other, score, second, told
+from . import cases, listing, other, score, second, told
 
 
 def bench(
@@ -37,7 +37,7 @@ def bench(
         verdicts: name of the folder of verdicts, for another version of the solver on the same cases.
 
     Returns:
-        The scoreboard: what was counted -> its share with a 95 % interval.
+        The scoreboard: what was counted -> its share with a 95 % interval. `VERDICTS.csv` in `out` has a line for each case.
 
     Raises:
         ConfigError: no case was asked for.
@@ -67,6 +67,7 @@ def bench(
     if ideals:
         _each(workers, "ideal", [[str(out), str(name)] for name in legs if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
+    listing.write(out / f"{verdicts}.csv", done)
     return dict([*score.table(done), *told.rows(out, done, verdicts)])
 
 
