@@ -105,6 +105,7 @@ def verdict(name: str, *answers: tuple[str, float]) -> SimpleNamespace:
     gap = {"raw": 3.0, "retuned": 2.0, "after": 1.0, "floor": 1.0, "per_channel": {}}
     found = [{"effects": [effect(e, 1.0)], "probability": p, "left": 0.0, "forms": {}} for e, p in answers]
     content = {
+        "joints": ("fl_swing", "fl_lift"),
         "verdict": name,
         "set": found,
         "gap": gap,
@@ -115,6 +116,15 @@ def verdict(name: str, *answers: tuple[str, float]) -> SimpleNamespace:
         "experiment": None,
     }
     return SimpleNamespace(verdict=content, tried=[])
+
+
+def test_the_common_factor_is_spoken_of_where_there_is_one():
+    """Not of a single joint whose gain a record tells."""
+    leg, arm = verdict("named", ("fl_swing", 0.95)), verdict("named", ("fl_swing", 0.95))
+    leg.verdict |= {"parameters": {"gain": {"fl_swing": {"value": 0.1}}}}
+    arm.verdict |= {"joints": ("arm",), "parameters": {"gain": {"arm": {"value": -0.2}}}}
+    cart = SimpleNamespace(verdict=arm.verdict | {"joints": ("cart",), "parameters": {"inertia": {"cart": {"value": 0.1}}}}, tried=[])
+    assert [len(answer({"own": found})["notes"]) for found in (leg, cart, arm)] == [1, 1, 0]
 
 
 def test_of_an_unknown_law_what_comes_nearest_is_said():

@@ -33,7 +33,7 @@ def record() -> Record:
 @pytest.fixture(scope="module")
 def preloaded(record):
     """Parameters of a leg that moves as soon as it is let go."""
-    free = changes(LEG, scales_of(LEG, record))
+    free = changes(LEG, scales_of(LEG, record), record.driven)
     return free, np.array([0.3 if "preload" in f.row else 0.1 for f in free])
 
 

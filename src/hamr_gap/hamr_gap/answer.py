@@ -35,6 +35,7 @@ def answer(founds: Mapping[str, Found], refused: Mapping[str, str] | None = None
     """
     own = {name: found.verdict for name, found in founds.items()}
     silent = {effect: why for v in own.values() for effect, why in v["not_observable"].items()}
+    told = all(len(v["joints"]) == 1 and "gain" in v["parameters"] for v in own.values())  # a single joint's, where it is free at all
     experiments = {name: v["experiment"] for name, v in own.items() if v["experiment"]}
     return {
         "verdict": max((v["verdict"] for v in own.values()), key=VERDICTS.index),
@@ -47,7 +48,7 @@ def answer(founds: Mapping[str, Found], refused: Mapping[str, str] | None = None
         "where": [sentence for v in own.values() for sentence in v["where"]],
         "not_observable": [{"effect": effect, "why": why, "shown_by": library()[effect].experiment} for effect, why in silent.items()],
         "experiment": experiments or None,
-        "notes": list(dict.fromkeys([*(note for v in own.values() for note in v["notes"]), SCALE_NOTE])),
+        "notes": list(dict.fromkeys([*(note for v in own.values() for note in v["notes"]), *([] if told else [SCALE_NOTE])])),
         "machines": {name: v | {"tried": founds[name].tried} for name, v in own.items()},
         "refused": dict(refused or {}),
     }  # fmt: skip

@@ -13,6 +13,7 @@ from hamr_dynamics.machine import CHANGES, Machine
 
 #: Prior standard deviation of a parameter change, as a share of what the machine has: weak, it keeps what no data fix from running away.
 CHANGE_SD = 0.5
+LINEAR = 1e-3  # of the usual force, or of the inertia: what bends less counts as straight
 PRELOAD_SD = 3.0  # in scales, and any change of what the machine has not
 
 
@@ -65,19 +66,34 @@ class Candidate:
         return [(self.row(parameter, place), parameter) for place in self.places for parameter in chosen]
 
 
-def changes(machine: Machine, scales: Scales) -> list[Free]:
-    """What a fair re-tune may change. Not the gain of a single joint: no record tells a stronger drive from less of everything else."""
+def changes(machine: Machine, scales: Scales, driven: Sequence[bool]) -> list[Free]:
+    """What a fair re-tune may change. The gain of what is driven, but not of a single joint whose equations are linear: there no record
+    tells a stronger drive from less of everything else."""
     rest, found = machine.at_rest, []
     own = {"stiffness": rest.stiffness, "inertia": rest.mass, "damping": rest.damping}
+    told = len(machine.joints) > 1 or not _linear(machine, scales)
     for name, dimension in CHANGES.items():
-        if name == "gain" and len(machine.joints) == 1:
-            continue
         for j in range(len(machine.joints)):
+            if name == "gain" and not (told and driven[j]):
+                continue
             scale = scales.of(dimension)
             has = 1.0 if name == "gain" else float(machine.diagonal(own[name], j)) / scale if name in own else 0.0
             low = -0.95 * has if has else -np.inf  # what is left stays positive
             found.append(Free(f"change.{name}.{j}", scale, low, np.inf, 0.0, CHANGE_SD * has or PRELOAD_SD))
     return found
+
+
+def _linear(machine: Machine, scales: Scales) -> bool:
+    """Whether a single joint's equations are, within what is usual: twice as far makes twice the force, either way, of one inertia."""
+
+    def at(share: float) -> tuple[float, float]:
+        q, v, u = ((share * x,) for x in (scales.coordinate, scales.coordinate / scales.time, scales.drive))
+        terms = machine.terms(q, v, v, u)
+        return terms.force[0] - terms.bias[0], terms.mass[0]
+
+    (rest, mass), *others = (at(share) for share in (0.0, 1.0, -1.0, 2.0))
+    slopes = [(force - rest) / share for (force, _), share in zip(others, (1.0, -1.0, 2.0), strict=True)]
+    return np.ptp(slopes) < LINEAR * scales.force and np.ptp([mass, *(m for _, m in others)]) < LINEAR * mass
 
 
 def effect_parameters(candidates: Iterable[Candidate], scales: Scales) -> list[Free]:

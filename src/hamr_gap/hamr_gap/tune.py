@@ -77,7 +77,7 @@ def _tuned(machine: Machine, record: Record, noise: np.ndarray, piece: float) ->
     roles = roles_of(model, machine.to_si["T"])
     alone = len(machine.joints) == 1
     gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
-    sigma, free = noise / np.sqrt(mean), changes(machine, model.scales)
+    sigma, free = noise / np.sqrt(mean), changes(machine, model.scales, record.driven)
     weighed = Weighed(model, mask(model, roles.fit), sigma, gains, model, initial=InitialStates.about(model, model.neutral, sigma))
     # trusted first, sensors keep a fit from wandering off along scales that only end stops tell apart
     rough = replace(weighed, gains=(), sigma=_trusted(weighed, model.plain))
@@ -109,8 +109,8 @@ def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
 
 
 def _coarsest(machine: Machine, record: Record) -> int:
-    """Steps per sample with at least 40 of them in a period of the fastest joint."""
+    """Steps per sample with at least 20 of them in a period of the fastest joint."""
     rest = machine.at_rest
     fastest = max(machine.diagonal(rest.stiffness, j) / machine.diagonal(rest.mass, j) for j in range(len(machine.joints)))
-    wanted = record.step * np.sqrt(max(fastest, 0.0)) * 40 / (2 * np.pi)
+    wanted = record.step * np.sqrt(max(fastest, 0.0)) * 20 / (2 * np.pi)
     return record.drives_per_reading * max(1, int(np.ceil(wanted / record.drives_per_reading)))
