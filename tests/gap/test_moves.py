@@ -14,7 +14,8 @@ from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
 from hamr_gap import threads
 from hamr_gap.colour import correlation_time
-from hamr_gap.fit import TRIALS, fit
+from hamr_gap.descent import TRIALS
+from hamr_gap.fit import fit
 from hamr_gap.flagship_find import recorded
 from hamr_gap.hypothesis import Start, refine, refined
 from hamr_gap.legs import machine_of
@@ -71,7 +72,7 @@ def test_a_name_that_holds_a_simpler_one_gives_way_to_it(rubbing):
     h = fitted(rubbing, Candidate("stribeck_friction", "lugre", (0,)))
     simple = special_cases(rubbing.weighed, rubbing.judged, h)
     assert {s.names for s in simple} == {frozenset({FRICTION.name})}
-    assert {s.effects[0].form for s in simple} == {"sign", "presliding", "lugre", "asymmetric"}
+    assert {s.effects[0].form for s in simple} == {"sign", "presliding", "lugre", "asymmetric", "loaded"}
     assert min(s.left for s in simple) < 1.05 * h.left
 
 
@@ -176,7 +177,7 @@ def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing,
     weighed = replace(rubbing.weighed, chosen=moving)
     starts = [np.array([*rubbing.base.fit.x, level, 1e-3]) for level in np.geomspace(0.03, 0.1, 16)]
     coarse = [fit(weighed, free, x).cost for x in starts]
-    monkeypatch.setattr("hamr_gap.fit.FORESEEN", np.inf)
+    monkeypatch.setattr("hamr_gap.descent.FORESEEN", np.inf)
     fine = [fit(weighed, free, x).cost for x in starts]
     assert sum(coarse) < 0.8 * sum(fine)
 
@@ -188,7 +189,7 @@ def test_steps_beyond_newtons_lead_on_along_what_sticks_and_slips(monkeypatch):
     added, shares = free[len(stuck.base.fit.x) :], np.geomspace(0.05, 2.7, 32)
     starts = [np.array([*stuck.base.fit.x, *(f.center or share * f.sd / 30 for f in added)]) for share in shares]
     beyond = np.array([fit(stuck.weighed, free, x).cost for x in starts])
-    monkeypatch.setattr("hamr_gap.fit.TRIALS", np.minimum(TRIALS, 1.0))
+    monkeypatch.setattr("hamr_gap.descent.TRIALS", np.minimum(TRIALS, 1.0))
     capped = np.array([fit(stuck.weighed, free, x).cost for x in starts])
     found = 1.05 * min(beyond.min(), capped.min())
     assert np.sum(beyond < found) > 1.5 * np.sum(capped < found)

@@ -18,7 +18,7 @@ from .kernels import load_source
 from .machine import Machine
 from .machine_stages import arrays, parts
 
-LANES = 16
+LANES = 4  # of a block: a vector of doubles; more share more laws that only some of them use, and a run alone pays for all
 
 RUN = """
 
@@ -93,7 +93,7 @@ def simulate(
     machine: Machine, drives: np.ndarray, parameters: np.ndarray, *, step: float, substeps: int, mean: int = 1,
     first: np.ndarray | None = None, start: np.ndarray | None = None, samples: int | None = None, every_law: bool = False,
 ) -> np.ndarray:  # fmt: skip
-    """Free runs of K lanes; 16 neighbours together take the time of all laws that any of them uses.
+    """Free runs of K lanes; neighbours in a block take the time of all laws that any of them uses.
 
     Args:
         drives: (n, joints) drive at every step, U.

@@ -8,6 +8,7 @@ from itertools import chain
 
 import numpy as np
 
+from .corrected import Corrected
 from .fit import Fit, fit
 from .parameters import Candidate, Free, effect_parameters
 from .screen import BATCH, Screen, Solution
@@ -92,16 +93,16 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
         free = (*base.free, *(f for f in effect_parameters(effects, weighed.model.scales) if f.row not in known))
         for shares in STEPS:
             prepared.append((tuple(effects), free, _at(free, base, seen, solution, *shares)))
-    model, until = weighed.coarse or weighed.model, weighed.until
-    coarse = base.run[:until] - model.runs(base.free, base.x, until)[0]  # what coarser steps do is known
-    target = weighed.vector(weighed.model.target)
+    model = weighed.model
+    runs = Corrected(weighed, base.free, base.x, base.run[: weighed.until])
+    target = weighed.vector(model.target)
     sensors = weighed.sensor_columns(weighed.moved(base.run, base.sensors.shift))
     doubt = weighed.doubt(target - weighed.vector(base.reading))
     solver = np.linalg.inv(sensors.T @ sensors + np.diag(doubt * weighed.sensor_precision)) @ sensors.T
 
     def costs_of(part: Sequence[tuple]) -> list[float]:
-        runs = coarse + model.run_rows(np.concatenate([model.rows(free, x) for _, free, x in part]), until)
-        left = target - weighed.vector(base.sensors.read(runs, model.reading_step, model.starts))
+        near = runs.near_rows(np.concatenate([model.rows(free, x) for _, free, x in part]))
+        left = target - weighed.vector(base.sensors.read(near, model.reading_step, model.starts))
         return (0.5 * np.sum(left * (left - (left @ solver.T) @ sensors.T), axis=1)).tolist()  # sensors follow, as far as one believes
 
     found: dict[int, Start] = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -12,12 +12,14 @@ from .weighed import Weighed
 
 
 def jacobian(
-    weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray, sensors: Sensors, *, delta: float = 1e-3,
+    weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray, sensors: Sensors,
+    runs: Callable[[np.ndarray], np.ndarray] | None = None, *, delta: float = 1e-3,
 ) -> np.ndarray:  # fmt: skip
     """(m, P + sensors) derivatives of the weighed readings that count: free numbers first, then the sensors' part.
 
     Args:
         x: (P,) in scales. run: (n, channels) at x, n at least `weighed.until`. sensors: what reads it.
+        runs: (K, P) -> (K, n, channels) that `run` is one of; the model's own if not given.
         delta: step of the differences, in standard deviations of a parameter's prior, or its scale where that is narrower.
     """
     model = weighed.model
@@ -27,7 +29,8 @@ def jacobian(
     def read(run: np.ndarray) -> np.ndarray:
         return weighed.vector(sensors.read(run, model.reading_step, model.starts))
 
-    probes = model.runs(free, x + np.diag(step), len(run)) if len(free) else ()
+    at = x + np.diag(step)
+    probes = (runs(at) if runs else model.runs(free, at, len(run))) if len(free) else ()
     base = read(run)
     columns = [(read(p) - base) / d for p, d in zip(probes, step, strict=True)]
     return np.column_stack([*columns, weighed.sensor_columns(weighed.moved(run, sensors.shift))])

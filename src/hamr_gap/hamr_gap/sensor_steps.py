@@ -65,4 +65,4 @@ def _read(weighed: Weighed, found: Fit, pinned: Sequence[Free]) -> Fit:
     s, cost = weighed.solve_sensors(run[: weighed.until], found.sensors.shift)
     sensors: Sensors = weighed.sensors(s)
     reading = sensors.read(run, weighed.model.reading_step, weighed.model.starts)
-    return Fit(free, x, sensors, run, reading, cost, found.converged)
+    return Fit(free, x, sensors, run, reading, cost)

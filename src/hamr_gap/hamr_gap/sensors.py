@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import correlate1d
 
 LITTLE = 0.01  # of a reading's step, that first order serves as well
 TAPS = np.arange(-3, 4)  # readings that a late one is interpolated from
@@ -41,8 +42,9 @@ def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -
     part = shift / step - whole
     reach = int(TAPS[-1]) + abs(whole)
     wide = np.concatenate([beyond(y, reach), y, beyond(y[..., ::-1, :], reach)[..., ::-1, :]], axis=-2)
-    n = y.shape[-2]
-    return sum(_weight(j, -part) * wide[..., reach - whole + j : reach - whole + j + n, :] for j in TAPS)
+    taps = np.array([_weight(j, -part) for j in TAPS])
+    first = reach - whole
+    return correlate1d(wide, taps, axis=-2)[..., first : first + y.shape[-2], :]
 
 
 def beyond(y: np.ndarray, count: int) -> np.ndarray:
@@ -58,11 +60,14 @@ def _weight(j: int, x: float) -> float:
 
 
 def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
-    """(..., n, channels) time derivative of (..., n, channels), less what it is at the last of the starts before."""
+    """(..., n, channels) time derivative of (..., n, channels), of each piece for itself and less what it is where that starts."""
+    n = y.shape[-2]
     found = np.empty_like(y)
     found[..., 1:-1, :] = (y[..., 2:, :] - y[..., :-2, :]) * (0.5 / step)
-    found[..., 0, :], found[..., -1, :] = (y[..., 1, :] - y[..., 0, :]) / step, (y[..., -1, :] - y[..., -2, :]) / step
-    inside = [start for start in starts if start + 1 < y.shape[-2]]
-    for start, stop in zip(inside, (*inside[1:], y.shape[-2]), strict=False):
-        found[..., start:stop, :] -= (y[..., start + 1, :] - y[..., start, :])[..., None, :] / step
+    first = np.array([start for start in (starts or (0,)) if start + 1 < n])
+    last = np.append(first[1:], n) - 1
+    found[..., first, :] = (y[..., first + 1, :] - y[..., first, :]) / step
+    found[..., last, :] = (y[..., last, :] - y[..., last - 1, :]) / step
+    if starts:
+        found[..., first[0] :, :] -= np.repeat(found[..., first, :], last + 1 - first, axis=-2)
     return found

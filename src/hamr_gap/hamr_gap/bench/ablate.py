@@ -17,7 +17,7 @@ import tyro
 
 from hamr_description.errors import ConfigError, HamrError
 
-from .. import analyse, fit, moves, prepare, roles, search, tune, weigh, weighed
+from .. import analyse, descent, moves, prepare, roles, search, tune, weigh, weighed
 from ..threads import use
 from . import score
 from .cases import path
@@ -40,8 +40,8 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "led": ((search, "BETTER", 0.0),),
     "thresholds": tuple((module, "at_both", lambda *_: []) for module in (search, moves)),
     "timed": ((search, "LATE", float("inf")),),
-    "coarser": ((fit, "FORESEEN", float("inf")),),
-    "beyond": ((fit, "TRIALS", np.minimum(fit.TRIALS, 1.0)),),
+    "coarser": ((descent, "FORESEEN", float("inf")),),
+    "beyond": ((descent, "TRIALS", np.minimum(descent.TRIALS, 1.0)),),
     "all_over": ((roles, "CYCLE", tuple(roles.SHARES)), (roles, "CYCLE_S", 4.0)),
     "held_out": ((tune, "roles_of", _judged_by_the_fitted),),
     "finer": ((prepare, "ENOUGH", float("inf")),),

@@ -86,7 +86,7 @@ def fit_all(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Fit:
     run = model.runs(free, x, until)[0]
     s, cost = weighed.solve_sensors(run)
     cost += 0.5 * float(np.sum(((x - center) / sd) ** 2))
-    precision, n, converged = np.concatenate([sd**-2.0, weighed.sensor_precision]), len(free), False
+    precision, n = np.concatenate([sd**-2.0, weighed.sensor_precision]), len(free)
     for _ in range(STEPS):
         sensors = weighed.sensors(s)
         derivatives = jacobian(weighed, free, x, run, sensors)
@@ -106,10 +106,9 @@ def fit_all(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Fit:
         if best is not None:
             (x, run, s), cost = best, cost - decrease
         if decrease < ENOUGH * cost:
-            converged = True
             break
     sensors, run = weighed.sensors(s), model.runs(free, x)[0]
-    return Fit(tuple(free), x, sensors, run, sensors.read(run, model.reading_step, model.starts), cost, converged)
+    return Fit(tuple(free), x, sensors, run, sensors.read(run, model.reading_step, model.starts), cost)
 
 
 def _bounded(hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -1,0 +1,114 @@
+"""Gauss-Newton steps of an output-error fit, whose derivatives and trial steps are lanes of one call each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .corrected import Corrected
+from .linear import jacobian
+from .parameters import Free
+from .weighed import Weighed
+
+#: Shares of a Newton step; more than all of it, since in long valleys, as of what sticks and slips, the next one leads on the same way.
+TRIALS = np.array([4.0, 2.0, 1.0, 0.7, 0.4, 0.2, 0.1, 0.05, 0.02, 0.007])
+DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
+DELTAS = (1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
+FORESEEN = 0.01  # of the cost: if derivatives promise more than this and nothing is gained, larger ones are tried
+LEAST = 0.05  # of half a sum of squares in units of the noise: no step is worth less
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a fit is.
+
+    Attributes:
+        x: (P,) free numbers in scales. run: (n, channels) there, as far as a fit simulates. s: coefficients of the sensors.
+        cost: half sum of squares on the fitted readings, with priors.
+    """
+
+    x: np.ndarray
+    run: np.ndarray
+    s: np.ndarray
+    cost: float
+
+
+def point(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray) -> Point:
+    """A point with its sensors."""
+    doubt = weighed.doubt(weighed.vector(weighed.model.target) - weighed.vector(run))
+    s, _ = weighed.solve_sensors(run, doubt=doubt)
+    s, cost = weighed.solve_sensors(run, weighed.sensors(s).shift, doubt)
+    return Point(x, run, s, cost + doubt * _prior(free, x))
+
+
+def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, tolerance: float) -> Point:
+    """Where Gauss-Newton steps lead from a point.
+
+    Args:
+        steps: at most. tolerance: relative decrease of cost at which it ends.
+    """
+    model, delta = weighed.model, DELTAS[0]
+    low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
+    target, n = weighed.vector(model.target), len(free)
+    x, run, s, cost = at.x, at.run, at.s, at.cost
+    runs = Corrected(weighed, free, x, run)
+    for _ in range(steps if n else 0):
+        sensors = weighed.sensors(s)
+        derivatives = jacobian(weighed, free, x, run, sensors, runs.near, delta=delta)
+        residual = target - weighed.vector(sensors.read(run, model.reading_step, model.starts))
+        doubt = weighed.doubt(residual)
+        own = np.append(s[:-1], 0.0)  # the shift has no prior
+        cost = 0.5 * float(residual @ residual + doubt * (weighed.sensor_precision @ own**2)) + doubt * _prior(free, x)
+        precision = doubt * np.concatenate([sd**-2.0, weighed.sensor_precision])
+        gradient = derivatives.T @ residual - precision * np.concatenate([x - center, s])
+        hessian = derivatives.T @ derivatives + np.diag(precision + 1e-9 * len(residual))
+        direction = _bounded_step(hessian, gradient, x, low, high, n)
+        damped = [_bounded_step(hessian + np.diag(share * np.diag(hessian)), gradient, x, low, high, n) for share in DAMPED]
+        trials = np.clip(x + np.vstack([TRIALS[:, None] * direction[:n], [d[:n] for d in damped]]), low, high)
+        tried = runs.near(trials)
+        costs = np.full(len(trials), np.inf)
+        for k in np.flatnonzero(np.isfinite(tried).all((1, 2))):
+            if k < len(TRIALS) and k > 1 and costs[k - 1] > costs[k - 2] and costs[k - 2] < cost:
+                continue  # past the best
+            costs[k] = weighed.solve_sensors(tried[k], sensors.shift, doubt)[1] + doubt * _prior(free, trials[k])
+        best, foreseen = int(np.argmin(costs)), 0.5 * float(gradient @ direction)
+        promised, gained = costs[best] < cost, 0.0
+        if promised:
+            there = runs.at(trials[best], tried[best])
+            solution, left = weighed.solve_sensors(there, sensors.shift, doubt)
+            left += doubt * _prior(free, trials[best])
+            gained = max(0.0, cost - left)
+        if gained > 0.0:
+            x, run, s, cost = trials[best], there, solution, left
+        elif promised and not runs.exact:
+            runs.refine()
+            continue
+        if gained < tolerance * cost or gained < LEAST:
+            if foreseen < FORESEEN * cost or delta == DELTAS[-1]:
+                break
+            delta = DELTAS[DELTAS.index(delta) + 1]
+    return Point(x, run, s, cost)
+
+
+def _prior(free: Sequence[Free], x: np.ndarray) -> float:
+    center, sd = (np.array([getattr(f, name) for f in free]) for name in ("center", "sd"))
+    return 0.5 * float(np.sum(((x - center) / sd) ** 2))
+
+
+def _bounded_step(hessian, gradient, x, low, high, n: int) -> np.ndarray:
+    """Newton step that does not push parameters further that already sit on a bound."""
+    held = np.zeros(len(gradient), bool)
+    for _ in range(n + 1):
+        free = ~held
+        step = np.zeros(len(gradient))
+        scale = 1.0 / np.sqrt(np.diag(hessian)[free])
+        scaled = hessian[np.ix_(free, free)] * scale[:, None] * scale
+        step[free] = scale * np.linalg.solve(scaled + 1e-12 * np.eye(len(scaled)), scale * gradient[free])
+        pushing = np.zeros(len(gradient), bool)
+        pushing[:n] = ((x <= low) & (step[:n] < 0)) | ((x >= high) & (step[:n] > 0))
+        if not (pushing & ~held).any():
+            break
+        held |= pushing
+    return step

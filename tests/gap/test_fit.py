@@ -1,0 +1,82 @@
+"""Fits in coarse steps, with what fine ones add to them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hamr_gap.corrected import Corrected
+from hamr_gap.fit import fit
+from hamr_gap.flagship_find import recorded
+from hamr_gap.legs import machine_of
+from hamr_gap.model import Model
+from hamr_gap.prepare import prepare
+from hamr_gap.weighed import Weighed
+
+FINE = 4  # times as many steps
+
+
+@pytest.fixture(scope="module")
+def swinging() -> tuple[Weighed, tuple]:
+    """Two seconds of HAMR-full in steps of HAMR-simple's own and in finer ones, and what a re-tune frees."""
+    prepared = prepare(machine_of("simple", "fl"), recorded("fl", seconds=2.0, noise=1e-3, seed=1))
+    coarse = prepared.weighed.coarse
+    fine = replace(coarse, substeps=FINE * coarse.substeps)
+    return replace(prepared.weighed, model=fine, coarse=coarse), prepared.base.fit.free
+
+
+def test_what_fine_steps_add_is_known_near_by(swinging):
+    weighed, free = swinging
+    x = np.zeros(len(free))
+    run = weighed.model.runs(free, x)[0]
+    runs = Corrected(weighed, free, x, run)
+    assert not runs.exact
+    np.testing.assert_allclose(runs.near(x[None])[0], run, rtol=1e-12, atol=1e-15)
+    beside = x + np.array([[1e-4], [1e-3]])
+    exact, coarse, near = (make(beside) for make in (
+        lambda x: weighed.model.runs(free, x), lambda x: weighed.coarse.runs(free, x), runs.near))  # fmt: skip
+    off = np.std(near - exact, axis=(1, 2))
+    assert off[1] < 0.5 * np.std(coarse[1] - exact[1])
+    assert off[0] < 0.2 * off[1]
+    np.testing.assert_allclose(runs.at(beside[1], near[1]), exact[1], rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(runs.near(beside)[1], exact[1], rtol=1e-12, atol=1e-15)  # about there from now on
+    runs.refine()
+    assert runs.exact
+    np.testing.assert_array_equal(runs.near(x[None])[0], run)
+
+
+def test_without_coarser_steps_all_runs_are_exact(swinging, monkeypatch):
+    weighed, free = swinging
+    x = np.zeros(len(free))
+    run = weighed.model.runs(free, x)[0]
+    for same in (None, weighed.model):
+        assert Corrected(replace(weighed, coarse=same), free, x, run).exact
+    monkeypatch.setattr(weighed.coarse, "runs", lambda free, x, samples: np.full((1, *run.shape), np.nan))
+    assert Corrected(weighed, free, x, run).exact  # where coarse steps diverge
+
+
+def test_a_fit_ends_where_one_in_fine_steps_ends_and_simulates_less(swinging, monkeypatch):
+    weighed, free = swinging
+    steps = []
+    run_rows = Model.run_rows
+
+    def counted(model: Model, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
+        steps[-1] += len(rows) * model.substeps
+        return run_rows(model, rows, samples)
+
+    monkeypatch.setattr(Model, "run_rows", counted)
+    found = [(steps.append(0), fit(replace(weighed, coarse=coarse), free, np.zeros(len(free))))[1] for coarse in (weighed.coarse, None)]
+    assert found[0].cost == pytest.approx(found[1].cost, rel=1e-4)
+    assert steps[0] < 0.5 * steps[1]
+    # cost and run are those of fine steps
+    np.testing.assert_array_equal(found[0].run, weighed.model.runs(free, found[0].x)[0])
+
+
+def test_coarse_steps_that_mislead_are_left(swinging):
+    """Those of another machine: what they add does hang on the parameters."""
+    weighed, free = swinging
+    other = replace(weighed.coarse, machine=machine_of("full", "fl"))
+    found = [fit(replace(weighed, coarse=coarse), free, np.zeros(len(free))).cost for coarse in (other, None)]
+    assert found[0] == pytest.approx(found[1], rel=0.01)
