@@ -118,13 +118,18 @@ def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight]
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
         gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
         detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None,
-        notes=(*_stale(prepared), *degenerate(answers)),
+        notes=(*_poor(prepared), *degenerate(answers)),
     )  # fmt: skip
 
 
-def _stale(prepared: Prepared) -> tuple[str, ...]:
-    stale = prepared.stale
-    return (f"{100 * stale:.2g} % of the samples repeat the one before in every sensor and were left out.",) if stale else ()
+def _poor(prepared: Prepared) -> list[str]:
+    """What is poor about the data."""
+    stale, uneven = 100 * prepared.stale, 100 * prepared.weighed.model.record.uneven
+    said = {
+        f"{stale:.2g} % of the samples repeat the one before in every sensor and were left out.": stale,
+        f"Measured at times uneven by up to {uneven:.0f} % of a step: what was used are curves through the samples, at even ones.": uneven,
+    }
+    return [sentence for sentence, much in said.items() if much]
 
 
 def degenerate(answers: Sequence[Answer]) -> tuple[str, ...]:

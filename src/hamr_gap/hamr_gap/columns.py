@@ -12,6 +12,7 @@ import numpy as np
 from hamr_description.errors import BagError, ConfigError
 from hamr_dynamics.machine import Machine
 
+from .clock import Clock
 from .record import Record
 
 #: Units a column may have: factor to SI, and the SI unit.
@@ -21,8 +22,6 @@ UNITS = {
     "A": (1.0, "A"), "mA": (1e-3, "A"), "N": (1.0, "N"), "mN": (1e-3, "N"), "kN": (1e3, "N"), "N*m": (1.0, "N*m"), "mN*m": (1e-3, "N*m"),
     "Pa": (1.0, "Pa"), "kPa": (1e3, "Pa"), "1": (1.0, "1"),
 }  # fmt: skip
-UNEVEN = 0.02  # of a step: more is no clock's noise
-GAP = 0.5  # of a step more or less than one: the record breaks there
 
 
 def read_columns(path: str | Path) -> dict[str, np.ndarray]:
@@ -83,7 +82,9 @@ def _npz(path: Path) -> dict[str, np.ndarray]:
     return columns
 
 
-def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | float] | None = None) -> Record:
+def record_of(
+    machine: Machine, path: str | Path, columns: Mapping[str, str | float] | None = None, *, step: float | None = None
+) -> Record:
     """What a table says about a machine.
 
     The table has the columns `time`, `drive` (`drive.JOINT` for each of two joints) and one for each sensor channel, or some of them,
@@ -92,6 +93,7 @@ def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | fl
     Args:
         columns: role -> name of the column in this table, where it has another, with its unit if it has one ("t [ms]"); for `time` a
             number of seconds between rows, where no column says it; for a drive a number, where it is the same all the time.
+        step: T between samples where the table's times are uneven; their usual one if not given.
 
     Raises:
         BagError, ConfigError: a column is missing or makes no sense; one sentence.
@@ -118,11 +120,12 @@ def record_of(machine: Machine, path: str | Path, columns: Mapping[str, str | fl
     readings = {name: x for name in machine.channels if (x := column(name)) is not None}
     if missing := [joint for joint in machine.channels[: len(machine.joints)] if joint not in readings]:
         raise BagError(f"{path} has no column for the sensor {missing[0]}; it has {', '.join(table)}: name it so, or map it.")
+    read = np.column_stack(list(readings.values()))
     if _is_number(columns.get("time")):
-        step, breaks = float(columns["time"]) / machine.to_si["T"], ()
-    else:
-        step, breaks = _clock(column("time"), path)
-    return Record(used, np.column_stack(list(readings.values())), step, tuple(readings), rest=False, breaks=breaks)
+        return Record(used, read, float(columns["time"]) / machine.to_si["T"], tuple(readings), rest=False)
+    clock = Clock.of(column("time"), str(path), step)
+    used, read, breaks = clock.evened(used, read)
+    return Record(used, read, clock.step, tuple(readings), rest=False, breaks=breaks, uneven=clock.uneven)
 
 
 def _is_number(x: object) -> bool:
@@ -146,19 +149,3 @@ def _factor(machine: Machine, letter: str, unit: str, where: str) -> float:
         wanted = f"{machine.units[letter]}, as {machine.name} has it"
         raise BagError(f"The unit '{unit}' of {where} cannot be made {wanted}; correct one of them.")
     return factor / machine.to_si[letter]
-
-
-def _clock(time: np.ndarray, path: str | Path) -> tuple[float, tuple[int, ...]]:
-    """Step, and the rows at which a new stretch begins."""
-    if len(time) < 3 or not np.isfinite(time).all():
-        raise BagError(f"{path} needs a time in each of at least three rows.")
-    step = float(np.median(np.diff(time)))
-    if not step > 0:
-        raise BagError(f"The times in {path} do not rise; sort the rows.")
-    off = np.abs(np.diff(time) / step - 1.0)
-    breaks = tuple(int(i) for i in np.flatnonzero(off > GAP) + 1)
-    if (uneven := off[off <= GAP].max()) > UNEVEN:
-        raise BagError(f"The times in {path} are uneven by {100 * uneven:.0f} % of a step; resample them to even ones.")
-    edges = np.array([0, *breaks, len(time)])
-    steps = [(time[b - 1] - time[a]) / (b - 1 - a) for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a > 1]
-    return float(np.average(steps, weights=np.diff(edges)[np.diff(edges) > 1])), breaks

@@ -72,7 +72,8 @@ def run(
     machine, columns = load(plant)
 
     def records(paths: Sequence[Path]) -> Record:
-        return joined([record_of(machine, path, columns) for path in paths])
+        first = record_of(machine, paths[0], columns)
+        return joined([first, *(record_of(machine, path, columns, step=first.step) for path in paths[1:])])
 
     words = ["hamr", "gap", "--plant", plant, "--measured", *measured, *(("--holdout", *holdout) if holdout else ()), "--out", out]
     opened = (lambda: records(holdout)) if holdout else None

@@ -25,6 +25,7 @@ class Record:
         hold: T for which the driver holds each command of such a signal, which is late by half of it.
         rest: whether the machine was at rest before the first sample of each stretch.
         breaks: indices at which a new stretch begins, recorded at another time.
+        uneven: of a step, the most that one of those measured was longer or shorter, where these samples lie between the measured ones.
     """
 
     drives: np.ndarray
@@ -36,6 +37,7 @@ class Record:
     rest: bool = True
     drives_per_reading: int = 1
     breaks: tuple[int, ...] = ()
+    uneven: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.drives) != len(self.readings) * self.drives_per_reading:
@@ -97,5 +99,5 @@ def joined(records: Sequence[Record]) -> Record:
     breaks = tuple(int(b + start) for r, start in zip(records, starts, strict=False) for b in (0, *r.breaks) if b + start)
     return replace(
         first, drives=np.concatenate([r.drives for r in records]), readings=np.concatenate([r.readings for r in records]),
-        rest=all(r.rest for r in records), breaks=breaks,
+        rest=all(r.rest for r in records), breaks=breaks, uneven=max(r.uneven for r in records),
     )  # fmt: skip

@@ -1,0 +1,84 @@
+"""Tables whose rows were taken at uneven times, against signals that are known at every time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hamr_description.errors import BagError
+from hamr_dynamics.machine import linear_machine
+from hamr_gap.analyse import analyse
+from hamr_gap.clock import Clock
+from hamr_gap.columns import record_of
+from hamr_gap.record import joined
+
+STEP = 0.01
+
+
+def wave(time: np.ndarray) -> np.ndarray:
+    """(n, 1), 5 Hz: twenty rows a period."""
+    return np.sin(10 * np.pi * time)[:, None]
+
+
+def jittered(n: int, share: float, seed: int = 0) -> np.ndarray:
+    """(n,) times whose steps are longer and shorter than one by up to a share; what is lost is not caught up."""
+    return np.cumsum(STEP * (1.0 + np.random.default_rng(seed).uniform(-share, share, n)))
+
+
+def test_rows_are_read_at_even_times():
+    time = jittered(2000, 0.2)
+    clock = Clock.of(time, "here")
+    assert clock.uneven == pytest.approx(0.2, abs=0.005) and clock.breaks == ()
+    assert clock.step == pytest.approx(np.diff(time).mean(), rel=1e-12)
+    held = np.where(time[:, None] % 1.0 < 0.5, 1.0, -1.0)
+    drives, readings, breaks = clock.evened(held, wave(time))
+    even = time[0] + clock.step * np.arange(len(readings))
+    assert abs(len(even) - len(time)) <= 1 and even[-1] <= time[-1] and breaks == ()
+    assert readings == pytest.approx(wave(even), abs=1e-3)  # the rows themselves are off by up to 0.3 there
+    assert np.abs(drives).max() <= 1.0 and np.mean(np.abs(drives) == 1.0) > 0.95  # jumps of a drive stay jumps
+
+
+def test_what_is_even_stays_as_it_is():
+    time = np.r_[jittered(50, 0.009), 3.0 + jittered(30, 0.009)]
+    clock, x = Clock.of(time, "here", 0.02), wave(time)
+    drives, readings, breaks = clock.evened(x, x)
+    assert drives is x and readings is x and breaks == clock.breaks == (50,)
+    assert clock.uneven == 0.0 and clock.step == pytest.approx(STEP, rel=1e-2)
+
+
+def test_breaks_and_missing_readings_stay_where_they_were():
+    time = np.r_[jittered(100, 0.1), 5.0 + jittered(1, 0.1), 9.0 + jittered(60, 0.1, 1)]
+    gone = (time > 0.301) & (time < 0.5)
+    x = np.where(gone[:, None], np.nan, wave(time))
+    _, readings, breaks = Clock.of(time, "here", STEP).evened(wave(time), x)
+    assert np.diff((0, *breaks, len(readings))) == pytest.approx([100, 1, 60], abs=1)
+    first = time[0] + STEP * np.arange(breaks[0])
+    known = np.isfinite(readings[: breaks[0], 0])
+    assert not known[(first > 0.301) & (first < 0.5)].any() and known[(first < 0.27) | (first > 0.53)].all()
+    np.testing.assert_allclose(readings[breaks[0]], wave(time[100:101])[0])
+    last = time[101] + STEP * np.arange(len(readings) - breaks[1])
+    assert readings[breaks[1] :] == pytest.approx(wave(last), abs=1e-3)
+
+
+@pytest.mark.parametrize("time", [jittered(500, 0.3), np.array([0.0, 1.0, 5.0])])
+def test_what_is_no_clock_is_refused(time):
+    with pytest.raises(BagError, match="uneven by"):
+        Clock.of(time, "here")
+
+
+def test_a_machine_that_lacks_nothing_lacks_nothing_where_times_are_uneven(tmp_path):
+    """A spring, a mass and a damper in closed form, read at times uneven by 15 %, in two tables."""
+    slide = linear_machine("slide", inertia=1.0, stiffness=400.0, damping=4.0, joint="slide")
+    omega = 2 * np.pi * np.array([0.7, 1.9, 2.9, 4.3])
+    size = 100.0 / (400.0 - omega**2 + 4.0j * omega)
+    records = []
+    for k, phases in enumerate(np.random.default_rng(3).uniform(0, 2 * np.pi, (2, 4))):
+        time = jittered(3000, 0.15, seed=k)
+        turning = np.exp(1j * (np.outer(time, omega) + phases))
+        noise = 1e-3 * np.random.default_rng(k).standard_normal(len(time))
+        np.savez(tmp_path / f"{k}.npz", time=time, drive=100.0 * turning.real.sum(1), slide=(turning * size).real.sum(1) + noise)
+        records.append(record_of(slide, tmp_path / f"{k}.npz", step=records[0].step if records else None))
+    verdict = analyse(slide, joined(records)).verdict
+    assert verdict.verdict == "no_significant_gap"
+    assert verdict.gap.per_channel["slide"]["retuned"] == pytest.approx(1e-3, rel=0.05)
+    assert any("uneven by up to 15 %" in note for note in verdict.notes)
