@@ -7,7 +7,7 @@ HAMR's suspended leg is one; any other machine can be (`linear_machine`, or `Mac
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,9 @@ from .effects.law import Form, Scales
 from .leg import inertia
 from .plant import Plant
 
-__all__ = ["CHANGES", "Machine", "Terms", "leg_machine", "linear_machine"]
+__all__ = ["CHANGES", "Machine", "Terms", "leg_machine", "linear_machine", "with_motion"]
+
+MOTION = ("rate", "acceleration")  # first and second derivative of a coordinate
 
 @dataclass(frozen=True, slots=True)
 class Terms:
@@ -47,6 +49,7 @@ class Machine:
         outputs: (q, slip) -> readings of the channels.
         units: unit of F, Q, T and U, for reports.
         to_si: factor to these units, of F, Q, T, U.
+        moving: whether the last channels are the joints' rates and accelerations (`with_motion`), of which `outputs` knows nothing.
     """
 
     name: str
@@ -56,6 +59,7 @@ class Machine:
     outputs: Callable
     units: Mapping[str, str]
     to_si: Mapping[str, float]
+    moving: bool = False
 
     def __post_init__(self) -> None:
         if len(self.joints) not in (1, 2):
@@ -66,6 +70,14 @@ class Machine:
         """Terms at zero, as floats."""
         zero = (0.0,) * len(self.joints)
         return self.terms(zero, zero, zero, zero)
+
+    def motion_of(self, channel: str) -> tuple[int, int] | None:
+        """(joint, how many times its coordinate is differentiated) that a channel reads; None of what is no joint's motion."""
+        at, n = self.channels.index(channel), len(self.joints)
+        if at < n:
+            return at, 0
+        further = at - (len(self.channels) - len(MOTION) * n)
+        return (further % n, 1 + further // n) if self.moving and further >= 0 else None
 
     def diagonal(self, matrix: tuple, i: int):
         """Entry ii of a matrix of `Terms`."""
@@ -99,6 +111,11 @@ class Machine:
         """Names of the state: q, v, a, slip of each joint, time, and the effects' own."""
         own = [f"{x}.{j}" for x in ("q", "v", "a", "slip") for j in range(len(self.joints))]
         return (*own, "time", *self.bank.state_rows(*ACTS))
+
+def with_motion(machine: Machine) -> Machine:
+    """The same with sensors of rate and acceleration besides: channels NAME_rate and NAME_acceleration of each joint's own channel NAME."""
+    own = machine.channels[: len(machine.joints)]
+    return replace(machine, channels=(*machine.channels, *(f"{name}_{kind}" for kind in MOTION for name in own)), moving=True)
 
 def linear_machine(
     name: str, *, inertia: float, stiffness: float = 0.0, damping: float = 0.0, gain: float = 1.0, preload: float = 0.0,

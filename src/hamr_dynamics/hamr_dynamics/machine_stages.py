@@ -104,7 +104,10 @@ def _solve(machine: Machine) -> Stage:
     stage.write("new_state", "a", tuple(x / h for x in increment))
     stage.write("new_state", "slip", tuple(equations.slip))
     stage.write("new_state", "time", stage.read("state", "time") + h)
-    stage.write("seen", "y", tuple(machine.outputs(q, stage.reads("state", "slip", n))))
+    readings = machine.outputs(q, stage.reads("state", "slip", n))
+    # at the start of the step, half way from the middle of the one before
+    halfway = tuple(0.5 * (x / h + y) for x, y in zip(increment, stage.reads("state", "a", n), strict=True)) if machine.moving else ()
+    stage.write("seen", "y", (*readings, *v, *halfway) if machine.moving else tuple(readings))
     return stage
 
 

@@ -14,13 +14,16 @@ from hamr_dynamics.machine import Machine
 
 from .clock import Clock
 from .record import Record
+from .si import dimension_of, si_of
 
 #: Units a column may have: factor to SI, and the SI unit.
 UNITS = {
     "s": (1.0, "s"), "ms": (1e-3, "s"), "us": (1e-6, "s"), "m": (1.0, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"),
     "rad": (1.0, "rad"), "mrad": (1e-3, "rad"), "deg": (np.pi / 180.0, "rad"), "V": (1.0, "V"), "mV": (1e-3, "V"), "kV": (1e3, "V"),
     "A": (1.0, "A"), "mA": (1e-3, "A"), "N": (1.0, "N"), "mN": (1e-3, "N"), "kN": (1e3, "N"), "N*m": (1.0, "N*m"), "mN*m": (1e-3, "N*m"),
-    "Pa": (1.0, "Pa"), "kPa": (1e3, "Pa"), "1": (1.0, "1"),
+    "Pa": (1.0, "Pa"), "kPa": (1e3, "Pa"), "1": (1.0, "1"), "m/s": (1.0, "m/s"), "cm/s": (1e-2, "m/s"), "mm/s": (1e-3, "m/s"),
+    "rad/s": (1.0, "rad/s"), "deg/s": (np.pi / 180.0, "rad/s"), "rpm": (np.pi / 30.0, "rad/s"), "m/s^2": (1.0, "m/s^2"),
+    "mm/s^2": (1e-3, "m/s^2"), "g": (9.80665, "m/s^2"), "rad/s^2": (1.0, "rad/s^2"), "deg/s^2": (np.pi / 180.0, "rad/s^2"),
 }  # fmt: skip
 
 
@@ -87,8 +90,8 @@ def record_of(
 ) -> Record:
     """What a table says about a machine.
 
-    The table has the columns `time`, `drive` (`drive.JOINT` for each of two joints) and one for each sensor channel, or some of them,
-    by the channel's name. A name may carry its unit, "drive [mV]"; without one it is in the machine's own.
+    The table has the columns `time`, `drive` (`drive.JOINT` for each of two joints) and one for each sensor channel by its name, or for
+    some of them, at least one of each joint's motion. A name may carry its unit, "drive [mV]"; without one it is in the machine's own.
 
     Args:
         columns: role -> name of the column in this table, where it has another, with its unit if it has one ("t [ms]"); for `time` a
@@ -101,7 +104,7 @@ def record_of(
     table = {_split(name)[0]: (name, x) for name, x in read_columns(path).items()}
     columns = dict(columns or {})
     drives = ("drive",) if len(machine.joints) == 1 else tuple(f"drive.{joint}" for joint in machine.joints)
-    roles = {"time": "T", **dict.fromkeys(drives, "U"), **dict.fromkeys(machine.channels, "Q")}
+    roles = {"time": "T", **dict.fromkeys(drives, "U"), **{name: dimension_of(machine, name) for name in machine.channels}}
     if unknown := set(columns) - set(roles):
         raise ConfigError(f"The mapping names '{min(unknown)}', which {machine.name} has not: known are {', '.join(roles)}.")
 
@@ -118,7 +121,8 @@ def record_of(
     rows = len(next(iter(table.values()))[1])
     used = np.column_stack([np.full(rows, float(x)) if _is_number(x := columns.get(role)) else column(role) for role in drives])
     readings = {name: x for name in machine.channels if (x := column(name)) is not None}
-    if missing := [joint for joint in machine.channels[: len(machine.joints)] if joint not in readings]:
+    moved = {motion[0] for name in readings if (motion := machine.motion_of(name))}
+    if missing := [name for j, name in enumerate(machine.channels[: len(machine.joints)]) if j not in moved]:
         raise BagError(f"{path} has no column for the sensor {missing[0]}; it has {', '.join(table)}: name it so, or map it.")
     read = np.column_stack(list(readings.values()))
     if _is_number(columns.get("time")):
@@ -138,14 +142,14 @@ def _split(name: str) -> tuple[str, str]:
     return head.strip(), unit.strip().removesuffix("]").strip() if bracket else ""
 
 
-def _factor(machine: Machine, letter: str, unit: str, where: str) -> float:
+def _factor(machine: Machine, dimension: str, unit: str, where: str) -> float:
     """What a column's numbers are times to be in the machine's units."""
     if not unit:
         return 1.0
     if unit not in UNITS:
         raise BagError(f"The unit '{unit}' of {where} is not known; write one of {', '.join(UNITS)}.")
     factor, base = UNITS[unit]
-    if base != machine.units[letter]:
-        wanted = f"{machine.units[letter]}, as {machine.name} has it"
-        raise BagError(f"The unit '{unit}' of {where} cannot be made {wanted}; correct one of them.")
-    return factor / machine.to_si[letter]
+    own, wanted = si_of(dimension, machine)
+    if base != wanted:
+        raise BagError(f"The unit '{unit}' of {where} cannot be made {wanted}, as {machine.name} has it; correct one of them.")
+    return factor / own

@@ -14,6 +14,7 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
+from .motion import coordinates, measured_by
 from .readings import noise_of
 from .record import Record
 
@@ -114,7 +115,7 @@ def _parts(begin: int, end: int, readings: int, rest: bool) -> list[tuple[int, i
 
 def measured(machine: Machine, record: Record, samples: np.ndarray) -> np.ndarray:
     """(S,) whether the joints were read just before and just after some samples: a start within a gap would be a guess."""
-    columns = [record.channels.index(name) for name in machine.channels[: len(machine.joints)] if name in record.channels]
+    columns = [c for c, _ in measured_by(machine, record).values()]
     read = np.concatenate([[0], np.cumsum(np.isfinite(record.readings[:, columns]).all(1))])
     before = read[samples] - read[np.maximum(samples - NEAR, 0)]
     after = read[np.minimum(samples + NEAR, len(record))] - read[samples]
@@ -126,16 +127,13 @@ def moving(machine: Machine, record: Record, samples: np.ndarray) -> np.ndarray:
 
     Of windows of growing width the widest is taken that still agrees with every narrower one: noise wants wide ones, curves narrow ones.
     """
-    n = len(machine.joints)
+    n, q = len(machine.joints), coordinates(machine, record)
     found = np.zeros((len(samples), 2 * n))
-    noise = noise_of(record.readings)
-    for j, name in enumerate(machine.channels[:n]):
-        if name not in record.channels:
-            continue  # nobody looks: at rest is the best guess
-        c = record.channels.index(name)
+    noise = noise_of(q)
+    for j in measured_by(machine, record):  # where nobody looks, at rest is the best guess
         for i, at in enumerate(samples):
             start, stop = next((a, b) for a, b in record.stretches if a <= at < b or at == b == len(record))
-            found[i, [j, n + j]] = _local(record.readings[start:stop, c], at - start, noise[c], record.step)
+            found[i, [j, n + j]] = _local(q[start:stop, j], at - start, noise[j], record.step)
     return found
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from hamr_description.errors import ConfigError
 from hamr_dynamics import machine_kernel
-from hamr_dynamics.machine import Machine
+from hamr_dynamics.machine import Machine, with_motion
 
 from .columns import record_of
 from .record import Record, joined
@@ -21,7 +21,8 @@ from .study import study
 
 
 def load(said: str) -> tuple[Machine, dict]:
-    """The machine that FILE.py:NAME makes, and the file's `COLUMNS`. The file is run: give only what you trust.
+    """The machine that FILE.py:NAME makes, with sensors of rates and accelerations, and the file's `COLUMNS`. The file is run: give only
+    what you trust.
 
     Raises:
         ConfigError: no such file or function, or it makes no machine; one sentence.
@@ -51,7 +52,7 @@ def load(said: str) -> tuple[Machine, dict]:
             f"The equations of {said} cannot be compiled: {type(error).__name__}: {error}; `terms` must return tuples, made with "
             "+ - * / and the functions of hamr_dynamics.scalar, such as sin, sqrt and maximum."
         ) from error
-    return machine, dict(getattr(module, "COLUMNS", {}))
+    return with_motion(machine), dict(getattr(module, "COLUMNS", {}))
 
 
 def run(

@@ -103,7 +103,7 @@ def _longest(used: np.ndarray) -> slice:
 
 
 def maps(arrays: Arrays, channels: Mapping[str, str], states: Sequence[str]) -> Figure:
-    """Mean difference over angle and rate, of re-tuned model and of the one with the effect, one colour scale for both."""
+    """Mean difference over readings and their rates, of re-tuned model and of the one with the effect, one colour scale for both."""
     used = np.flatnonzero(arrays["used"])
     step = float(np.median(np.diff(arrays["time"])))
     cells = int(np.clip(np.sqrt(len(used) / 10), *CELLS))

@@ -11,6 +11,8 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from hamr_description.names import ACTUATORS
+
 from . import plots
 from .words import answer_in_words, number, sentences, unit
 
@@ -50,15 +52,15 @@ def write_report(found: Mapping, pictures: Mapping[str, plots.Arrays], path: Pat
 
 def _machine(name: str, own: Mapping, shown: Mapping, arrays: plots.Arrays, *, effect: bool) -> list[str]:
     units = {channel: values["unit"] for channel, values in shown["channels"].items()}
-    joints = {channel: u for channel, u in units.items() if channel in own["joints"]}
+    pictured = {channel: u for channel, u in units.items() if channel not in ACTUATORS}  # which are the last
     states = ("raw", "retuned", "after") if effect else ("raw", "retuned")
     body = [f"<h2>{escape(name)}: {escape(own['verdict'].replace('_', ' '))}</h2>"]
     body.append("<h3>Measured and simulated, where the re-tuned model is worst</h3>")
-    body.append(_image(plots.traces(arrays, joints, states[1:] if effect else states), "readings over a short window"))
-    body += ["<h3>Spectra of the difference</h3>", _image(plots.spectra(arrays, joints, states), "spectra")]
+    body.append(_image(plots.traces(arrays, pictured, states[1:] if effect else states), "readings over a short window"))
+    body += ["<h3>Spectra of the difference</h3>", _image(plots.spectra(arrays, pictured, states), "spectra")]
     body += [
-        "<h3>Difference over angle and rate</h3>",
-        _image(plots.maps(arrays, joints, states[1:]), "mean difference over angle and rate"),
+        "<h3>Difference over reading and rate</h3>",
+        _image(plots.maps(arrays, pictured, states[1:]), "mean difference over readings and their rates"),
     ]
     if own["tried"]:
         right = [" + ".join(f"{e['effect']} ({', '.join(e['joints'])})" for e in a["effects"]) for a in own["set"]]

@@ -7,15 +7,16 @@ import numpy as np
 from hamr_dynamics.effects.law import Scales
 from hamr_dynamics.machine import Machine
 
+from .motion import coordinates, measured_by
 from .record import Record
 
 
 def scales_of(machine: Machine, record: Record) -> Scales:
-    """What is usual: rms of drive, readings of the joints, their rates, and the force that the drive makes at rest, or that moves what
+    """What is usual: rms of drive, coordinates of the joints, their rates, and the force that the drive makes at rest, or that moves what
     nothing drives."""
     n = len(machine.joints)
-    columns = [record.channels.index(name) for name in machine.channels[:n] if name in record.channels]
-    q = record.readings[:, columns] - np.nanmean(record.readings[:, columns], axis=0)
+    q = coordinates(machine, record)[:, sorted(measured_by(machine, record))]
+    q = q - np.nanmean(q, axis=0)
     smooth = np.stack([np.convolve(c, np.ones(5) / 5, "valid") for c in q.T], 1)  # NaN where one was
     coordinate = float(np.sqrt(np.nanmean(smooth**2)))
     within = np.delete(np.diff(smooth, axis=0), [b - 4 + i for b in record.breaks for i in range(5)], axis=0)

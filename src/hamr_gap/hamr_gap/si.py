@@ -14,5 +14,10 @@ def si_of(dimension: str, machine: Machine) -> tuple[float, str]:
 
 
 def channel_si(machine: Machine, channel: str) -> tuple[float, str]:
-    """Factor to SI and unit of a sensor channel: the joints' own, or an actuator's tip."""
-    return (length_to_si(1.0), "m") if channel in ACTUATORS else (machine.to_si["Q"], machine.units["Q"])
+    """Factor to SI and unit of a sensor channel: the joints' motion, or an actuator's tip."""
+    return (length_to_si(1.0), "m") if channel in ACTUATORS else si_of(dimension_of(machine, channel), machine)
+
+
+def dimension_of(machine: Machine, channel: str) -> str:
+    """"Q" of a coordinate, "Q/T" of a rate, "Q/T^2" of an acceleration."""
+    return ("Q", "Q/T", "Q/T^2")[(machine.motion_of(channel) or (0, 0))[1]]

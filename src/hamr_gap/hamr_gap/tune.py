@@ -76,7 +76,7 @@ def _tuned(machine: Machine, record: Record, noise: np.ndarray, piece: float) ->
     model = Model(machine, record, _coarsest(machine, record), mean, scales_of(machine, record), piece)
     roles = roles_of(model, machine.to_si["T"])
     alone = len(machine.joints) == 1
-    gains = tuple(i for i, c in enumerate(record.channels) if not alone or machine.channels.index(c) >= 1)
+    gains = tuple(range(1 if alone else 0, len(record.channels)))
     sigma, free = noise / np.sqrt(mean), changes(machine, model.scales, record.driven)
     weighed = Weighed(model, mask(model, roles.fit), sigma, gains, model, initial=InitialStates.about(model, model.neutral, sigma))
     # trusted first, sensors keep a fit from wandering off along scales that only end stops tell apart

@@ -28,8 +28,9 @@ def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
 def shared(weighed: Weighed, judged: np.ndarray, found: Fit) -> np.ndarray:
     """(b,) mean product of what both sensors of a joint show beside a fit, in units of their noise, of each block; empty for one sensor."""
     model = weighed.model
-    joints = len(model.machine.joints)
-    pairs = [(c, model.own.index(own + joints)) for c, own in enumerate(model.own) if own < joints and own + joints in model.own]
+    joints, other = len(model.machine.joints), [c for c in model.record.channels if not model.machine.motion_of(c)]
+    sides = {own: c for c, own in enumerate(model.own) if own < joints or model.machine.channels[own] in other}
+    pairs = [(c, sides[own + joints]) for own, c in sides.items() if own < joints and own + joints in sides]
     left = residual(weighed, found)
     rows = np.flatnonzero(judged.any(1))
     return np.array([np.nanmean([left[part, a] * left[part, b] for a, b in pairs]) for part in blocks_of(weighed, rows) if pairs])

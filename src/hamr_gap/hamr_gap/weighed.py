@@ -9,6 +9,7 @@ import numpy as np
 
 from .initial_states import InitialStates
 from .model import Model
+from .motion import measured_by
 from .sensors import Sensors, late, slope
 
 INDEPENDENT = 100  # readings, as which those count that show a wrong model
@@ -70,9 +71,9 @@ class Weighed:
 
     @property
     def biased(self) -> tuple[int, ...]:
-        """Channels whose bias is free: not those of joints that start as measured, each time anew."""
-        joints = len(self.model.machine.joints) if self.model.starts else 0
-        return tuple(c for c, own in enumerate(self.model.own) if own >= joints)
+        """Channels whose bias is free: not those by which joints start as measured, each time anew."""
+        began = measured_by(self.model.machine, self.model.record) if self.model.starts else {}
+        return tuple(c for c in range(len(self.sigma)) if c not in {c for c, _ in began.values()})
 
     @property
     def sensor_count(self) -> int:

@@ -33,11 +33,11 @@ def where(weighed: Weighed, found: Fit) -> list[str]:
     k = int(np.argmax(share))
     said.append(f"{model.record.channels[largest]}: {100 * share[k]:.0f} % of it lies between {edges[k]:.3g} and {edges[k + 1]:.3g} Hz")
     v = np.gradient(q)
-    for name, by in (("angle", np.abs(q - q.mean())), ("rate", np.abs(v))):
+    for name, by in (("readings", np.abs(q - q.mean())), ("rates of it", np.abs(v))):
         order = np.argsort(by)
         low, high = (np.mean(x[part] ** 2) for part in (order[: len(order) // 3], order[-len(order) // 3 :]))
         if max(low, high) > 2.0 * min(low, high):
-            said.append(f"{model.record.channels[largest]}: {high / low:.1f} times as strong at large {name}s as at small ones")
+            said.append(f"{model.record.channels[largest]}: {high / low:.1f} times as strong at large {name} as at small ones")
     thirds = [np.mean(part**2) for part in np.array_split(x, 3)]
     if max(thirds[0], thirds[2]) > 2.0 * min(thirds[0], thirds[2]):
         more = thirds[2] / thirds[0]
