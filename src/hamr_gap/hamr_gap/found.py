@@ -12,12 +12,13 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
-from .analyse import Analysis, analyse, changes_of, effects_of, gap_of
+from .analyse import Analysis, analyse
 from .experiment import propose
 from .hypothesis import Hypothesis
 from .parameters import Candidate
 from .record import Record
 from .sensors import Sensors
+from .stated import changes_of, effects_of, gap_of
 from .table import fit_table
 
 #: The same machine in four states: as given, re-tuned, with the effect, and re-tuned likewise but with the effect taken out again.

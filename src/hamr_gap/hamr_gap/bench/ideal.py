@@ -19,12 +19,12 @@ from hamr_description.units import length_from_si
 from hidden_gap.case import JOINTS, LEG, Case
 from hidden_gap.noise import floors
 
-from ..analyse import effects_of
 from ..candidates import candidates
 from ..hypothesis import Hypothesis, refine, residual, starts
 from ..legs import machine_of, record_of
 from ..prepare import Prepared, prepare
 from ..search import Search, search
+from ..stated import effects_of
 from .cases import case_of, recorded, samples_of
 
 SHOWN = 8  # rivals that are written down
