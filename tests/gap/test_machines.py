@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 from hamr_description.errors import BagError, ConfigError, HamrError
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.columns import UNITS, read_columns, record_of
+from hamr_gap.columns import UNITS, record_of
 from hamr_gap.model import Model
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.pieces import moving
 from hamr_gap.plants import load
 from hamr_gap.prepare import prepare
+from hamr_gap.read_table import read_columns
 from hamr_gap.readings import noise_of
 from hamr_gap.record import Record, joined
 from hamr_gap.scales import scales_of
