@@ -14,9 +14,16 @@ from hamr_gap.candidates import candidates
 from hamr_gap.columns import record_of
 from hamr_gap.legs import machine_of
 from hamr_gap.motion import coordinates, measured_by
+from hamr_gap.plants import run
 from hamr_gap.record import Record
 from hamr_gap.scales import scales_of
 
+MODEL = """
+from hamr_dynamics.machine import linear_machine
+
+def motor():
+    return linear_machine("motor", inertia=1.2, damping=1.6, joint="shaft", units={"F": "N*m", "Q": "rad", "T": "s", "U": "N*m"})
+"""
 UNITS = {"F": "N*m", "Q": "rad", "T": "s", "U": "N*m"}
 MOTOR = with_motion(linear_machine("motor", inertia=1.0, damping=2.0, joint="shaft", units=UNITS))
 SPRING = with_motion(linear_machine("spring", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass", units=UNITS))
@@ -47,8 +54,8 @@ def test_channels_are_derivatives_of_each_other_and_obey_the_equations():
     step, fine = 1e-3, 8
     u = 50.0 * noise(3000, 6.0, step)
     parameters = SPRING.neutral(scales_of(SPRING, Record(u[:, None], moved(u, step, 900.0, 6.0), step, SPRING.channels)))
-    run = machine_kernel.simulate(SPRING, np.repeat(u, fine)[:, None], parameters[None], step=step / fine, substeps=fine)[0]
-    q, v, a = run[1:].T
+    read = machine_kernel.simulate(SPRING, np.repeat(u, fine)[:, None], parameters[None], step=step / fine, substeps=fine)[0]
+    q, v, a = read[1:].T
     assert np.gradient(q, step)[1:-1] == pytest.approx(v[1:-1], abs=1e-3 * v.std())
     assert np.gradient(v, step)[1:-1] == pytest.approx(a[1:-1], abs=1e-2 * a.std())
     # a held drive jumps at each reading, which is between the two steps
@@ -89,17 +96,24 @@ def test_sensors_that_are_not_there_lack_nothing():
     assert "coulomb_friction" in named and not {"sensor_nonlinearity", "sensor_quantisation"} & named
 
 
-def test_a_tachometer_shows_dry_friction():
+def test_a_tachometer_shows_dry_friction(tmp_path):
+    """From a user's file and tables to the report, with a model that is off besides."""
+    (tmp_path / "model.py").write_text(MODEL)
     step, n = 5e-3, 6000
-    u = 3.0 * noise(n, 1.0, step)
-    seen = moved(u, step, 0.0, 2.0, friction=1.0)[:, 1:2]
-    seen += 1e-3 * seen.std() * np.random.default_rng(1).standard_normal(seen.shape)
-    verdict = analyse(MOTOR, Record(u[:, None], seen, step, ("shaft_rate",), held=True, rest=False)).verdict
-    assert verdict.verdict == "named"
-    (effect,) = verdict.set[0].effects
-    assert effect.effect == "coulomb_friction"
-    assert effect.parameters["level"]["shaft"].value == pytest.approx(1.0, rel=0.03)
-    assert "sensor_quantisation" in verdict.not_observable
+    for seed in (0, 1):
+        u = 3.0 * noise(n, 1.0, step, seed)
+        seen = moved(u, step, 0.0, 2.0, friction=1.0)[:, 1]
+        seen += 1e-3 * seen.std() * np.random.default_rng(seed).standard_normal(n)
+        np.savez(tmp_path / f"{seed}.npz", **{"time": step * np.arange(n), "drive": u, "shaft_rate [rad/s]": seen})
+    found = run(f"{tmp_path}/model.py:motor", [tmp_path / "0.npz"], tmp_path / "out", holdout=[tmp_path / "1.npz"])
+    assert found["verdict"] == "named"
+    ((effect,),) = (answer["effects"] for answer in found["set"])
+    assert effect["effect"] == "coulomb_friction"
+    assert effect["parameters"]["level"]["value"] == pytest.approx(1.0, rel=0.03)
+    assert found["shown"]["closed"] > 0.99
+    assert found["shown"]["machines"]["motor"]["channels"]["shaft_rate"]["unit"] == "rad/s"
+    assert "sensor_quantisation" in {silent["effect"] for silent in found["not_observable"]}
+    assert "shaft_rate" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_an_accelerometer_shows_a_spring_that_hardens():
