@@ -69,7 +69,8 @@ def test_units_of_dimensions():
         "N*m/rad^3", "rad/(N*m)", "N*m*s^2/rad", "1", "1/s", "N*s^2/m^2",
     ]  # fmt: skip
     assert si_factor("F*T^2/Q") == pytest.approx(1e-9)  # g mm^2 to kg m^2
-    assert Scales(2.0, 3.0, 5.0, 7.0).of("F*T^2/Q^3") == pytest.approx(2 * 25 / 27)
+    scales = Scales(2.0, 3.0, 5.0, 7.0, 11.0)
+    assert scales.of("F*T^2/Q^3") == pytest.approx(2 * 25 / 27) and scales.of("S/U") == pytest.approx(11 / 7)
 
 
 BAD = {

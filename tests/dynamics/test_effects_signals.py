@@ -82,7 +82,7 @@ def test_hysteresis_lags_by_its_width():
 
 def test_a_gain_comes_and_goes_with_its_periods():
     law = find("drive_drift", "waves")
-    given = {p.name: 0.0 for p in law.parameters} | {"slow_sine": 0.1, "fast_cosine": 0.2, "period": 40.0, "ratio": 2.5}
+    given = {p.name: 0.0 for p in law.parameters} | {"slow_sine": 0.1, "fast_cosine": 0.2, "slow_period": 40.0, "fast_period": 16.0}
     for t in (0.0, 3.0, 17.0, 31.0, 1234.5):
         u, _ = law.law(Input(2.0, (2.0,), 0, t, H), given, ())
         assert u == pytest.approx(2.0 * (1.0 + 0.1 * np.sin(2 * np.pi * t / 40.0) + 0.2 * np.cos(5 * np.pi * t / 40.0)), abs=1e-9)

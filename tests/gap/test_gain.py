@@ -16,7 +16,7 @@ from hamr_gap.parameters import changes
 from hamr_gap.record import Record
 
 INERTIA, WEIGHT, DAMPING, GAIN = 0.005, 0.5, 0.03, 0.1  # kg m^2, N m at a right angle, N m s, N m/V
-USUAL = Scales(0.5, 0.8, 0.3, 4.0)
+USUAL = Scales(0.5, 0.8, 0.3, 4.0, 30.0)
 
 
 def arm() -> Machine:

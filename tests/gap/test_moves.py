@@ -45,7 +45,7 @@ def shaken(law: str, rows: dict[str, float]) -> Record:
     random, time = np.random.default_rng(2), np.arange(n) * STEP * 1e-3
     waves = [(random.uniform(3.0, 40.0), random.uniform(0.0, 2 * np.pi, 2)) for _ in range(40)]
     drives = 9.0 * sum(np.sin(2 * np.pi * hz * time[:, None] + phase) for hz, phase in waves)
-    row = leg.neutral(Scales(0.06, 0.1, 0.07, 60.0))
+    row = leg.neutral(Scales(0.06, 0.1, 0.07, 60.0, 12e3))
     for name, x in rows.items():
         row[leg.parameter_rows.index(f"{law}.{name}")] = x
     truth = machine_kernel.simulate(leg, np.repeat(drives, 5, axis=0), row[None], step=STEP / 5, substeps=1)[0][::5]

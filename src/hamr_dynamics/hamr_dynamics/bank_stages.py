@@ -22,8 +22,8 @@ from .leg import Leg
 from .plant import Plant
 
 LEG_BANK = Bank(2, (*ACTS, "leg"))
-#: What is usual for a leg under a few ten volts: only for shapes of effects whose sizes are zero. N mm, rad, ms, V.
-USUAL = Scales(0.06, 0.1, 2.0, 40.0)
+#: What is usual for a leg under a few ten volts: only for shapes of effects whose sizes are zero. N mm, rad, ms, V, ms.
+USUAL = Scales(0.06, 0.1, 2.0, 40.0, 12e3)
 
 REST = rows(rest_stiffness=2, rest_inertia=2)
 POSE = rows(pull=3, tow=3)

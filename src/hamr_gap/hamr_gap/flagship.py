@@ -38,7 +38,7 @@ EFFECTS = {
 
 def scales() -> Scales:
     """Of HAMR's legs under the paper's white noise, for shapes that do not matter here."""
-    return Scales(0.06, 0.1, 1.5, 60.0)
+    return Scales(0.06, 0.1, 1.5, 60.0, 12e3)
 
 
 def differences(simple: Machine, full: Machine) -> dict[str, dict[str, float]]:

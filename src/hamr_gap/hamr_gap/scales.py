@@ -25,6 +25,6 @@ def scales_of(machine: Machine, record: Record) -> Scales:
     zero, time = (0.0,) * n, coordinate / rate
     if not record.driven.any():
         mass = np.sqrt(np.mean([machine.diagonal(machine.at_rest.mass, j) ** 2 for j in range(n)]))
-        return Scales(float(mass) * coordinate / time**2, coordinate, time, 1.0)
+        return Scales(float(mass) * coordinate / time**2, coordinate, time, 1.0, record.span)
     force = np.sqrt(np.mean(np.square(machine.terms(zero, zero, zero, (drive,) * n).drive)))
-    return Scales(float(force), coordinate, time, drive)
+    return Scales(float(force), coordinate, time, drive, record.span)

@@ -157,12 +157,14 @@ def _columns(candidates: Sequence[Candidate], scales) -> tuple[list[Column], dic
             key = (candidate.effect, candidate.form, place)
             if key in groups:
                 continue
-            law, groups[key] = candidate.law, []
+            law, groups[key], known = candidate.law, [], {}
             for shapes in product(*(s.screen or (s.typical,) for s in law.shapes)):
-                pinned = tuple((candidate.row(s, place), x) for s, x in zip(law.shapes, shapes, strict=True))
+                pinned = [(s.name, (candidate.row(s, place), x)) for s, x in zip(law.shapes, shapes, strict=True)]
                 for sizes in zip(*(p.screen or (p.typical,) for p in law.sizes), strict=True):
-                    groups[key].append(tuple(range(len(columns), len(columns) + len(law.sizes))))
-                    columns += [Column(candidate.row(p, place), p, x, pinned) for p, x in zip(law.sizes, sizes, strict=True)]
+                    own = [tuple(pin for name, pin in pinned if p.by is None or name in p.by) for p in law.sizes]
+                    wanted = [Column(candidate.row(p, place), p, x, pins) for p, x, pins in zip(law.sizes, sizes, own, strict=True)]
+                    groups[key].append(tuple(known.setdefault(column, len(columns) + len(known)) for column in wanted))
+            columns += known
     return columns, groups
 
 

@@ -10,7 +10,8 @@ from hamr_dynamics.machine import Machine
 
 def si_of(dimension: str, machine: Machine) -> tuple[float, str]:
     """Factor to SI and unit of a dimension such as "F*T/Q": (1e-6, "N*m*s/rad") on HAMR's legs."""
-    return si_factor(dimension, machine.to_si), si_unit(dimension, machine.units)
+    to_si, units = ({**own, "S": own["T"]} for own in (machine.to_si, machine.units))
+    return si_factor(dimension, to_si), si_unit(dimension, units)
 
 
 def channel_si(machine: Machine, channel: str) -> tuple[float, str]:

@@ -7,7 +7,8 @@ import math
 from ..scalar import cos, sin
 from .law import Effect, Form, Input, Parameter
 
-WAVES = ("slow", "fast")
+#: Turns of the two waves in a run to screen with: a wave between two of them is a quarter of a turn off at the ends, and not lost.
+TURNS = {"slow": (2.5, 2.0, 1.5, 1.0, 0.6, 0.3), "fast": tuple(0.5 * k for k in range(17, 1, -1))}
 
 
 def linear(x: Input, p, z):
@@ -24,41 +25,33 @@ def settling(x: Input, p, z):
 
 def waves(x: Input, p, z):
     """u (1 + two waves, each with a period of its own): a gain that comes and goes."""
-    gain, turn = 1.0, x.time / p["period"]
-    for name, turns in zip(WAVES, (turn, turn * p["ratio"]), strict=True):
-        phase = 2.0 * math.pi * turns
+    gain = 1.0
+    for name in TURNS:
+        phase = 2.0 * math.pi * x.time / p[f"{name}_period"]
         gain = gain + p[f"{name}_sine"] * sin(phase) + p[f"{name}_cosine"] * cos(phase)
     return x.u * gain, z
 
+
+RATE = Parameter("rate", "1/S", 0.05, -5.0, 5.0, "relative change per time")
+SETTLING = (
+    Parameter("change", "1", 0.05, -0.95, 3.0, "relative change in the end"),
+    Parameter("time", "S", 0.1, 0.005, 100.0, "in which most of it happens", shape=True, screen=(0.02, 0.1, 0.5)),
+)
+WAVES = (
+    *(Parameter(f"{name}_{part}", "1", 0.03, -0.9, 0.9, f"of the {name} wave", by=(f"{name}_period",))
+      for name in TURNS for part in ("sine", "cosine")),
+    *(Parameter(f"{name}_period", "S", typical, 0.02, 20.0, f"of the {name} wave", shape=True, screen=tuple(1.0 / x for x in TURNS[name]))
+      for name, typical in (("slow", 1.0), ("fast", 0.25))),
+)  # fmt: skip
 
 EFFECT = Effect(
     name="drive_drift",
     part="actuator",
     summary="A drive gain that changes slowly over the run.",
     forms=(
-        Form("linear", "drive", linear, (Parameter("rate", "1/T", 1e-5, -1e-2, 1e-2, "relative change per time"),), order=8),
-        Form(
-            "settling",
-            "drive",
-            settling,
-            (
-                Parameter("change", "1", 0.05, -0.95, 3.0, "relative change in the end"),
-                Parameter("time", "T", 500.0, 20.0, 1e6, "in which most of it happens", shape=True, screen=(100.0, 500.0, 2000.0)),
-            ),
-            states=1,
-            order=8,
-        ),
-        Form(
-            "waves",
-            "drive",
-            waves,
-            (
-                *(Parameter(f"{n}_{part}", "1", 0.03, -0.9, 0.9, f"of the {n} wave") for n in WAVES for part in ("sine", "cosine")),
-                Parameter("period", "T", 2000.0, 100.0, 1e5, "of the slow wave", shape=True, screen=(1000.0, 2000.0, 4000.0)),
-                Parameter("ratio", "1", 2.5, 1.2, 6.0, "of it to that of the fast wave", shape=True, screen=(1.5, 2.3, 3.0)),
-            ),
-            order=8,
-        ),
+        Form("linear", "drive", linear, (RATE,), order=8),
+        Form("settling", "drive", settling, SETTLING, states=1, order=8),
+        Form("waves", "drive", waves, WAVES, order=8),
     ),
     experiment="the same signal at the beginning and the end of a run",
     source="hamr_facts 7, effects 5 and 29 (ageing, temperature)",

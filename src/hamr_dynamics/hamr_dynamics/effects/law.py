@@ -2,8 +2,8 @@
 
 A law is a pure function over any scalar type (floats, arrays, traced scalars), written once; kernels, fits and reports all run
 it. It sees its surroundings as one of the views below and answers with what changes. Dimensions are products of powers of F
-(generalised force), Q (coordinate), T (time) and U (drive), so that one library serves machines of any units; effects of the
-whole robot on the ground have N (force), L (length) and M (mass) besides.
+(generalised force), Q (coordinate), T (time) and U (drive), so that one library serves machines of any units; S is a time that is
+usual for a whole run, and effects of the whole robot on the ground have N (force), L (length) and M (mass) besides.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ class Parameter:
         doc: what it is.
         shape: False for a size (the effect is linear in it to first order, and off where all sizes are zero), True for any other.
         screen: values of a shape to screen with, in the machine's scales; of a size only where a threshold makes small ones do nothing.
+        by: of a size, names of the shapes that it hangs on; all of the form's if not given.
     """
 
     name: str
@@ -36,20 +37,22 @@ class Parameter:
     doc: str
     shape: bool = False
     screen: tuple[float, ...] = ()
+    by: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What is usual on a machine: generalised force F, coordinate Q, time T (coordinate over its rate), drive U."""
+    """What is usual on a machine: generalised force F, coordinate Q, time T (coordinate over its rate), drive U, length of a run S."""
 
     force: float
     coordinate: float
     time: float
     drive: float
+    span: float
 
     def of(self, dimension: str) -> float:
         """Scale of a dimension: of("F/Q^3") is force / coordinate^3."""
-        scales = {"F": self.force, "Q": self.coordinate, "T": self.time, "U": self.drive}
+        scales = {"F": self.force, "Q": self.coordinate, "T": self.time, "U": self.drive, "S": self.span}
         total = 1.0
         for letter, power in powers(dimension):
             total *= scales[letter] ** power

@@ -8,8 +8,11 @@ from hamr_description.units import length_to_si, mass_to_si, time_to_si, torque_
 
 from .law import powers
 
-_UNITS = {"F": "N*m", "Q": "rad", "T": "s", "U": "V", "N": "N", "L": "m", "M": "kg"}
-_FACTORS = {"F": torque_to_si(1.0), "Q": 1.0, "T": time_to_si(1.0), "U": 1.0, "N": 1.0, "L": length_to_si(1.0), "M": mass_to_si(1.0)}
+_UNITS = {"F": "N*m", "Q": "rad", "T": "s", "S": "s", "U": "V", "N": "N", "L": "m", "M": "kg"}
+_FACTORS = {
+    "F": torque_to_si(1.0), "Q": 1.0, "T": time_to_si(1.0), "S": time_to_si(1.0), "U": 1.0, "N": 1.0, "L": length_to_si(1.0),
+    "M": mass_to_si(1.0),
+}  # fmt: skip
 
 
 def si_unit(dimension: str, units: Mapping[str, str] = _UNITS) -> str:

@@ -1,0 +1,57 @@
+"""A drive whose gain wanders over a run, found by periods that were screened one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import butter, sosfilt
+
+from hamr_dynamics.machine import linear_machine
+from hamr_gap.analyse import analyse
+from hamr_gap.parameters import Candidate
+from hamr_gap.prepare import prepare
+from hamr_gap.record import Record
+from hamr_gap.screen import screen
+
+MASS = linear_machine("mass", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass")
+WAVES = Candidate("drive_drift", "waves", (0,))
+
+
+@pytest.fixture(scope="module")
+def wandering() -> Record:
+    """30 s of a spring driven by noise, with a gain of two waves of 17 and 5.1 s, by steps that know nothing of the library."""
+    step, fine, n, q, v = 5e-3, 20, 6000, 0.0, 0.0
+    random = np.random.default_rng(2)
+    drive = 300.0 * sosfilt(butter(3, 8.0, fs=1.0 / step, output="sos"), random.standard_normal(n))
+    seen, h = np.empty(n), step / fine
+    for i, u in enumerate(drive):
+        seen[i] = q
+        for k in range(fine):
+            turn = 2.0 * np.pi * step * (i + k / fine) / 17.0
+            gain = 1.0 + 0.02 * (np.sin(turn + 1.2) + 0.5 * np.sin(turn * 17.0 / 5.1))
+            v += h * (gain * u - 900.0 * q - 6.0 * v)
+            q += h * v
+    read = seen + 1e-3 * seen.std() * random.standard_normal(n)
+    return Record(drive[:, None], read[:, None], step, ("mass",), held=True)
+
+
+def test_each_wave_is_simulated_once_and_both_periods_are_seen(wandering):
+    prepared = prepare(MASS, wandering)
+    seen = screen(prepared.weighed, prepared.base.fit, [WAVES], amplitude=5.0)
+    slow, fast = (len(p.screen) for p in WAVES.law.shapes)
+    assert len(seen.columns) == 2 * (slow + fast)
+    assert len(seen.options(WAVES)) == slow * fast
+    (best,) = seen.best(WAVES)
+    shapes = dict(shape for c in best.chosen for shape in seen.columns[c].shapes)
+    spans = [shapes[WAVES.row(p, 0)] * 30.0 for p in WAVES.law.shapes]
+    assert spans == pytest.approx([17.0, 5.1], rel=0.25)
+
+
+def test_a_gain_that_wanders_is_named(wandering):
+    verdict = analyse(MASS, wandering).verdict
+    assert verdict.verdict == "named"
+    (effect,) = verdict.set[0].effects
+    assert (effect.effect, effect.form) == ("drive_drift", "waves")
+    found = {name: effect.parameters[name]["mass"].value for name in ("slow_period", "fast_period")}
+    assert found == {"slow_period": pytest.approx(17.0, rel=0.05), "fast_period": pytest.approx(5.1, rel=0.02)}
+    assert effect.parameters["slow_period"]["mass"].unit == "s"
