@@ -15,8 +15,10 @@ from hamr_gap.columns import record_of
 from hamr_gap.legs import machine_of
 from hamr_gap.motion import coordinates, measured_by
 from hamr_gap.plants import run
+from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
 from hamr_gap.scales import scales_of
+from hamr_gap.unexplained import shared
 
 MODEL = """
 from hamr_dynamics.machine import linear_machine
@@ -94,6 +96,24 @@ def test_sensors_that_are_not_there_lack_nothing():
     record = Record(np.random.default_rng(0).standard_normal((9, 1)), np.zeros((9, 1)), 0.1, ("shaft_rate",))
     named = {c.effect for c in candidates(MOTOR, record)}
     assert "coulomb_friction" in named and not {"sensor_nonlinearity", "sensor_quantisation"} & named
+
+
+def test_sensors_act_where_there_is_one():
+    leg = with_motion(machine_of("simple", "fl"))
+    record = Record(np.random.default_rng(0).standard_normal((9, 2)), np.zeros((9, 2)), 0.1, ("fl_lift", "fl_swing_rate"))
+    assert {c.joints for c in candidates(leg, record) if c.effect == "sensor_nonlinearity"} == {(1,)}
+    assert {c.joints for c in candidates(leg, record) if c.effect == "cubic_stiffness"} == {(0,), (1,), (0, 1)}
+
+
+def test_a_rate_is_no_second_sensor_of_the_other_side():
+    """Which would show the same as the first, where a coordinate's derivative shows nothing of it."""
+    step, n = 2e-3, 4000
+    u = 60.0 * noise(n, 8.0, step)
+    seen = moved(u, step, 900.0, 6.0)[:, :2]
+    read = seen * (1.0 + 1e-3 * np.random.default_rng(1).standard_normal((n, 2)))
+    prepared = prepare(SPRING, Record(u[:, None], read, step, ("mass", "mass_rate"), held=True))
+    assert len(shared(prepared.weighed, prepared.judged, prepared.base.fit)) == 0
+    assert prepared.weighed.gains == (1,)
 
 
 def test_a_tachometer_shows_dry_friction(tmp_path):
