@@ -35,5 +35,5 @@ def test_every_effect_is_complete(effect):
         assert form.sizes  # something that switches it off
         for parameter in form.parameters:
             assert parameter.low <= parameter.typical <= parameter.high and parameter.doc
-            assert all(letter in "FQTUNLM" for letter, _ in powers(parameter.dimension))
+            assert all(letter in "FQTSUNLM" for letter, _ in powers(parameter.dimension))
             assert parameter.shape or parameter.low <= 0.0 <= parameter.high  # off is allowed
