@@ -7,12 +7,19 @@ import pytest
 
 from hamr_description.errors import BagError
 from hamr_dynamics.machine import linear_machine
+from hamr_gap import plants
 from hamr_gap.analyse import analyse
 from hamr_gap.clock import Clock
 from hamr_gap.columns import record_of
 from hamr_gap.record import joined
 
 STEP = 0.01
+MODEL = """
+from hamr_dynamics.machine import linear_machine
+
+def slide():
+    return linear_machine("slide", inertia=1.0)
+"""
 
 
 def wave(time: np.ndarray) -> np.ndarray:
@@ -48,13 +55,13 @@ def test_what_is_even_stays_as_it_is():
 
 def test_breaks_and_missing_readings_stay_where_they_were():
     time = np.r_[jittered(100, 0.1), 5.0 + jittered(1, 0.1), 9.0 + jittered(60, 0.1, 1)]
-    gone = (time > 0.301) & (time < 0.5)
+    gone = (time > 0.301) & (time <= 0.5)
     x = np.where(gone[:, None], np.nan, wave(time))
     _, readings, breaks = Clock.of(time, "here", STEP).evened(wave(time), x)
     assert np.diff((0, *breaks, len(readings))) == pytest.approx([100, 1, 60], abs=1)
     first = time[0] + STEP * np.arange(breaks[0])
-    known = np.isfinite(readings[: breaks[0], 0])
-    assert not known[(first > 0.301) & (first < 0.5)].any() and known[(first < 0.27) | (first > 0.53)].all()
+    before, after = time[time < 0.301][-1], time[time > 0.5][0]  # rows on either side of what is missing
+    np.testing.assert_array_equal(np.isfinite(readings[: breaks[0], 0]), (first <= before) | (first >= after))
     np.testing.assert_allclose(readings[breaks[0]], wave(time[100:101])[0])
     last = time[101] + STEP * np.arange(len(readings) - breaks[1])
     assert readings[breaks[1] :] == pytest.approx(wave(last), abs=1e-3)
@@ -64,6 +71,20 @@ def test_breaks_and_missing_readings_stay_where_they_were():
 def test_what_is_no_clock_is_refused(time):
     with pytest.raises(BagError, match="uneven by"):
         Clock.of(time, "here")
+
+
+def test_tables_of_one_run_share_a_step(tmp_path, monkeypatch):
+    """Of uneven clocks no two have the same mean."""
+    monkeypatch.setattr(plants, "study", lambda machine, record, *_, **__: record)
+    (tmp_path / "model.py").write_text(MODEL)
+    for seed in (0, 1):
+        time = jittered(500, 0.2, seed)
+        np.savez(tmp_path / f"{seed}.npz", time=time, drive=wave(time)[:, 0], joint=wave(time)[:, 0])
+    record = plants.run(f"{tmp_path}/model.py:slide", [tmp_path / "0.npz", tmp_path / "1.npz"], tmp_path)
+    assert len(record.stretches) == 2 and 0.2 < record.uneven < 0.25
+    for start, stop in record.stretches:
+        first = jittered(500, 0.2, int(start > 0))[0]
+        assert record.readings[start:stop] == pytest.approx(wave(first + record.step * np.arange(stop - start)), abs=2e-3)
 
 
 def test_a_machine_that_lacks_nothing_lacks_nothing_where_times_are_uneven(tmp_path):
