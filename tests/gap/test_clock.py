@@ -87,6 +87,14 @@ def test_tables_of_one_run_share_a_step(tmp_path, monkeypatch):
         assert record.readings[start:stop] == pytest.approx(wave(first + record.step * np.arange(stop - start)), abs=2e-3)
 
 
+def test_a_drive_must_be_known_at_uneven_times_too(tmp_path):
+    time = jittered(50, 0.1)
+    drive = np.where(np.arange(50) == 20, np.nan, 1.0)
+    np.savez(tmp_path / "a.npz", time=time, drive=drive, joint=wave(time)[:, 0])
+    with pytest.raises(BagError, match="drive is NaN"):
+        record_of(linear_machine("slide", inertia=1.0), tmp_path / "a.npz")
+
+
 def test_a_machine_that_lacks_nothing_lacks_nothing_where_times_are_uneven(tmp_path):
     """A spring, a mass and a damper in closed form, read at times uneven by 15 %, in two tables."""
     slide = linear_machine("slide", inertia=1.0, stiffness=400.0, damping=4.0, joint="slide")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -69,8 +70,9 @@ def record_of(
     if _is_number(columns.get("time")):
         return Record(used, read, float(columns["time"]) / machine.to_si["T"], tuple(readings), rest=False)
     clock = Clock.of(column("time"), str(path), step)
-    used, read, breaks = clock.evened(used, read)
-    return Record(used, read, clock.step, tuple(readings), rest=False, breaks=breaks, uneven=clock.uneven)
+    taken = Record(used, read, clock.step, tuple(readings), rest=False, breaks=clock.breaks, uneven=clock.uneven)
+    used, read, breaks = clock.evened(taken.drives, taken.readings)
+    return replace(taken, drives=used, readings=read, breaks=breaks)
 
 
 def _is_number(x: object) -> bool:

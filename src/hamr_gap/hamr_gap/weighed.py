@@ -69,11 +69,11 @@ class Weighed:
         """(n, channels) of what readings miss the measured ones by, in units of the noise."""
         return self.beside(self.model.target[: len(reading)] - reading) / self.sigma
 
-    @property
+    @cached_property
     def biased(self) -> tuple[int, ...]:
         """Channels whose bias is free: not those by which joints start as measured, each time anew."""
-        began = measured_by(self.model.machine, self.model.record) if self.model.starts else {}
-        return tuple(c for c in range(len(self.sigma)) if c not in {c for c, _ in began.values()})
+        began = measured_by(self.model.machine, self.model.record).values() if self.model.starts else ()
+        return tuple(sorted(set(range(len(self.sigma))) - {c for c, _ in began}))
 
     @property
     def sensor_count(self) -> int:
