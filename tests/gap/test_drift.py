@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfilt
 
+from hamr_dynamics.effects.law import powers
+from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.analyse import analyse
 from hamr_gap.parameters import Candidate
@@ -15,6 +17,12 @@ from hamr_gap.screen import screen
 
 MASS = linear_machine("mass", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass")
 WAVES = Candidate("drive_drift", "waves", (0,))
+
+
+def test_slow_is_what_is_slow_beside_the_run():
+    """However fast the machine: no drift is measured in the machine's own time."""
+    letters = {letter for form in library()["drive_drift"].forms for p in form.parameters for letter, _ in powers(p.dimension)}
+    assert letters == {"S"}
 
 
 @pytest.fixture(scope="module")

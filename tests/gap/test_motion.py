@@ -13,12 +13,14 @@ from hamr_gap.analyse import analyse
 from hamr_gap.candidates import candidates
 from hamr_gap.columns import record_of
 from hamr_gap.legs import machine_of
+from hamr_gap.model import Model
 from hamr_gap.motion import coordinates, measured_by
 from hamr_gap.plants import run
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
 from hamr_gap.scales import scales_of
 from hamr_gap.unexplained import shared
+from hamr_gap.weighed import Weighed
 
 MODEL = """
 from hamr_dynamics.machine import linear_machine
@@ -114,6 +116,20 @@ def test_a_rate_is_no_second_sensor_of_the_other_side():
     prepared = prepare(SPRING, Record(u[:, None], read, step, ("mass", "mass_rate"), held=True))
     assert len(shared(prepared.weighed, prepared.judged, prepared.base.fit)) == 0
     assert prepared.weighed.gains == (1,)
+
+
+@pytest.mark.parametrize(("channels", "biased"), [
+    (("shaft", "shaft_rate"), (1,)), (("shaft_rate",), ()), (("shaft_rate", "shaft_acceleration"), (1,)),
+])  # fmt: skip
+def test_a_sensor_from_which_pieces_start_has_no_bias_of_its_own(channels, biased):
+    """The start has it."""
+    step, n = 5e-3, 2000
+    u = noise(n, 1.0, step)
+    read = moved(u, step, 0.0, 2.0)[:, [MOTOR.channels.index(name) for name in channels]]
+    record = Record(u[:, None], read, step, channels, rest=False)
+    model = Model(MOTOR, record, 1, 1, scales_of(MOTOR, record))
+    assert model.starts
+    assert Weighed(model, np.ones_like(read, bool), np.ones(len(channels)), ()).biased == biased
 
 
 def test_a_tachometer_shows_dry_friction(tmp_path):
