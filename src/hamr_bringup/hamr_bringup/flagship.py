@@ -1,6 +1,6 @@
 """What follows from a name: HAMR-simple with the effects that `hamr gap` found, beside the residual learned from the same seconds.
 
-    python -m hamr_bringup.flagship --out out/flagship     third and fourth table of docs/flagship.md
+    python -m hamr_bringup.flagship --out out/flagship     last two tables of docs/flagship.md
 
 HAMR-full stands in for the robot: a bag of white noise, as an instrumented robot would have given it, is all that either sees. Both
 models are then compared with full on a run that nothing has seen, and walking policies trained on each walk on full.

@@ -1,15 +1,17 @@
 """The truth about HAMR-simple and HAMR-full, computed and not searched: what full has that simple lacks, in hip angles.
 
-    python -m hamr_gap.flagship            tables of docs/flagship.md
+    python -m hamr_gap.flagship            first two tables of docs/flagship.md
 
-Inertia, stiffness and transmission of full are reduced to hip angles over the stroke, fitted by the library's own laws, and put
-into simple singly and in groups.
+Inertia, stiffness, damping and transmission of full are reduced to hip angles over the stroke; the library's own laws are fitted to
+them and put into simple singly and in groups.
 """
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from itertools import combinations
+from typing import Literal
 
 import numpy as np
 import tyro
@@ -19,21 +21,24 @@ from hamr_description.names import JOINTS, drive_sign
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 from hamr_dynamics import machine_kernel
-from hamr_dynamics.effects.configuration_dependent_transmission import POWERS
-from hamr_dynamics.effects.law import Scales
+from hamr_dynamics.effects.configuration_dependent_inertia import ENTRIES
+from hamr_dynamics.effects.configuration_dependent_inertia import POWERS as OF_MASS
+from hamr_dynamics.effects.law import Pair, Scales
 from hamr_dynamics.machine import Machine
 from hamr_sim_full.actuator import bender
 
 from .legs import machine_of
 from .parameters import Candidate
 
-GRID = np.linspace(-0.25, 0.25, 11)  # rad, of both angles
+GRID = np.linspace(-0.4, 0.4, 17)  # rad, of both angles: the paper's white noise goes to 0.5 at most, and two standard deviations are 0.37
+SMALL = 1e-4  # rad, of differences
 WINDOW_MS = 8.0
 EFFECTS = {
     "inertia": Candidate("configuration_dependent_inertia", "polynomial", (0, 1)),
     "stiffness": Candidate("configuration_dependent_stiffness", "potential", (0, 1)),
-    "transmission": Candidate("configuration_dependent_transmission", "map", (0, 1)),
+    "transmission": Candidate("configuration_dependent_transmission", "fine_map", (0, 1)),
 }
+ZERO = (0.0, 0.0)
 
 
 def scales() -> Scales:
@@ -41,53 +46,68 @@ def scales() -> Scales:
     return Scales(0.06, 0.1, 1.5, 60.0, 12e3)
 
 
-def differences(simple: Machine, full: Machine) -> dict[str, dict[str, float]]:
+def static(machine: Machine, q: tuple) -> np.ndarray:
+    """(2, ...) force at hip angles without drive or motion, N mm."""
+    still = (np.zeros_like(q[0]),) * 2
+    return np.array(machine.terms(q, still, still, still).force)
+
+
+def reduced(full: Machine, q: tuple[float, float]) -> tuple[float, ...]:
+    """M11, M12, M22 (g mm^2), K11, K22 (N mm/rad), D11, D22 (N mm ms/rad), and the slope of each actuator's travel in its own angle
+    (mm/rad), at hip angles q."""
+    at, (s, r) = full.terms(q, ZERO, ZERO, ZERO), q
+    ahead, behind = (((s + e, r), (s, r + e)) for e in (SMALL, -SMALL))
+    rises = [static(full, y)[j] - static(full, x)[j] for j, (x, y) in enumerate(zip(ahead, behind, strict=True))]
+    climbs = [full.outputs(x, ZERO)[2 + j] - full.outputs(y, ZERO)[2 + j] for j, (x, y) in enumerate(zip(ahead, behind, strict=True))]
+    return (*at.mass, *(x / (2 * SMALL) for x in rises), at.damping[0], at.damping[2], *(x / (2 * SMALL) for x in climbs))
+
+
+def differences(simple: Machine, full: Machine, *, lever: str = "fine_map") -> dict[str, dict[str, float]]:
     """Parameters of the library's laws that turn simple into full, by least squares over the stroke; effect -> row -> value.
+
+    `lever` is the form of the transmission.
 
     Transmission: travel of each actuator, in the angle that it makes at rest. Stiffness: what is left of full's static force after
     its actuators' springs act through that map. Inertia: full's mass matrix minus simple's.
     """
-    points = [(a, b) for a in GRID for b in GRID]
-    zero = (0.0, 0.0)
-    ratio = np.array([(full.outputs((e, 0.0), zero)[2], full.outputs((0.0, e), zero)[3]) for e in (1e-6,)])[0] / 1e-6
-    travel = np.array([np.array(full.outputs(q, zero)[2:]) / ratio - q for q in points])
-    travel -= np.array(full.outputs(zero, zero)[2:]) / ratio
-    powers = list(POWERS)
-    basis = np.array([[a**i * b**j for i, j in powers] for a, b in points])
-    found: dict[str, dict[str, float]] = {name: {} for name in EFFECTS}
-    stem = "configuration_dependent_transmission.map"
+    q = tuple(x.ravel() for x in np.meshgrid(GRID, GRID, indexing="ij"))
+    still = (np.zeros_like(q[0]),) * 2
+    own = tuple(float(full.diagonal(full.at_rest.stiffness, j)) for j in (0, 1))
+    ratio = np.array(reduced(full, ZERO)[-2:])  # mm/rad
     spring = (value("actuator.stiffness") + bender().rail_stiffness) * ratio**2  # of the actuators, in hip angles, N mm/rad
-    own = np.array([full.diagonal(full.at_rest.stiffness, j) for j in (0, 1)])
-    for i in (0, 1):
-        for (a, b), c in zip(powers, np.linalg.lstsq(basis, travel[:, i], rcond=None)[0], strict=True):
-            found["transmission"][f"{stem}.a{i + 1}_{a}{b}.0"] = c
-        found["transmission"][f"{stem}.share{i + 1}.0"] = min(1.0, spring[i] / own[i])
-    rest = np.array(full.terms(zero, zero, zero, zero).force)
-    terms = [(i, n - i) for n in (3, 4) for i in range(n, -1, -1)]
-    rows, force = [], []
-    coefficients = np.array([[found["transmission"][f"{stem}.a{i + 1}_{a}{b}.0"] for a, b in powers] for i in (0, 1)])
-    for s, r in points:
-        static = np.array(full.terms((s, r), zero, zero, zero).force) - rest
-        bend = coefficients @ [s**i * r**j for i, j in powers]
-        slope = np.array([[c @ _slopes(powers, s, r, k) for k in (0, 1)] for c in coefficients])
-        acting = spring * (np.array([s, r]) + bend)
-        through = -(slope.T @ acting) - spring * bend  # beyond what linear springs do
-        linear = -np.array([[own[0], full.at_rest.stiffness[1]], [full.at_rest.stiffness[1], own[1]]]) @ [s, r]
-        rows += [[-i * s ** max(i - 1, 0) * r**j for i, j in terms], [-j * s**i * r ** max(j - 1, 0) for i, j in terms]]
-        force += list(static - linear - through)
-    for (i, j), c in zip(terms, np.linalg.lstsq(np.array(rows), np.array(force), rcond=None)[0], strict=True):
-        found["stiffness"][f"configuration_dependent_stiffness.potential.c{i}{j}.0"] = c
-    extra = np.array([np.subtract(full.terms(q, zero, zero, zero).mass, simple.terms(q, zero, zero, zero).mass) for q in points])
-    squares = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
-    basis = np.array([[1.0, *(a**i * b**j for i, j in squares)] for a, b in points])
-    for e, name in enumerate(("11", "12", "22")):
-        for (a, b), c in zip(squares, np.linalg.lstsq(basis, extra[:, e], rcond=None)[0][1:], strict=True):
-            found["inertia"][f"configuration_dependent_inertia.polynomial.m{name}_{a}{b}.0"] = c
-    return found
+
+    effects = EFFECTS | {"transmission": replace(EFFECTS["transmission"], form=lever)}
+    powers = [(int(x.name[3]), int(x.name[4])) for x in effects["transmission"].law.parameters if x.name.startswith("a1_")]
+    travel = (np.array(full.outputs(q, ZERO)[2:]).T - full.outputs(ZERO, ZERO)[2:]) / ratio - np.transpose(q)
+    bend = {f"share{i + 1}": min(1.0, spring[i] / own[i]) for i in (0, 1)}
+    for i, found in enumerate(_fitted(_terms(q, powers), travel).T):
+        bend |= {f"a{i + 1}_{a}{b}": c for (a, b), c in zip(powers, found, strict=True)}
+
+    through = effects["transmission"].law.law(Pair(q, still, still, own, ZERO, SERVO_MS), bend, ())[0].force
+    bent = static(full, q).T - static(full, ZERO) + np.transpose(q) * own - np.transpose(through)
+    degrees = [(int(x.name[1]), int(x.name[2])) for x in effects["stiffness"].law.parameters]
+    slopes = np.concatenate([-_terms(q, degrees, by) for by in (0, 1)])
+    springs = {f"c{a}{b}": c for (a, b), c in zip(degrees, _fitted(slopes, bent.T.ravel()), strict=True)}
+
+    extra = np.subtract(full.terms(q, still, still, still).mass, simple.terms(q, still, still, still).mass)
+    constant_too = _fitted(_terms(q, [(0, 0), *OF_MASS]), extra.T)
+    mass = {
+        f"m{i + 1}{j + 1}_{a}{b}": c for (i, j), found in zip(ENTRIES, constant_too[1:].T, strict=True)
+        for (a, b), c in zip(OF_MASS, found, strict=True)
+    }  # fmt: skip
+    laws = {"inertia": mass, "stiffness": springs, "transmission": bend}
+    return {kind: {f"{effects[kind].effect}.{effects[kind].form}.{name}.0": x for name, x in law.items()} for kind, law in laws.items()}
 
 
-def _slopes(powers, s: float, r: float, k: int) -> np.ndarray:
-    return np.array([(i * s ** max(i - 1, 0) * r**j) if k == 0 else (j * s**i * r ** max(j - 1, 0)) for i, j in powers])
+def _terms(q: tuple, powers, by: int | None = None) -> np.ndarray:
+    """(points, powers) monomials s^i l^j, or their derivatives by one of the angles."""
+    if by is None:
+        return np.stack([q[0] ** a * q[1] ** b for a, b in powers], 1)
+    return np.stack([p[by] * q[by] ** max(p[by] - 1, 0) * q[1 - by] ** p[1 - by] for p in powers], 1)
+
+
+def _fitted(basis: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.linalg.lstsq(basis, values, rcond=None)[0]
 
 
 def ablate(simple: Machine, full: Machine, found: dict[str, dict[str, float]], *, seconds: float, seed: int) -> dict[tuple, tuple]:
@@ -121,19 +141,17 @@ def ablate(simple: Machine, full: Machine, found: dict[str, dict[str, float]], *
     return result
 
 
-def main(seconds: float = 3.0, seed: int = 3) -> None:
+def main(seconds: float = 3.0, seed: int = 3, lever: Literal["fine_map", "map"] = "fine_map") -> None:
     """Prints the tables."""
     simple, full = machine_of("simple", "fl"), machine_of("full", "fl")
-    found = differences(simple, full)
+    found = differences(simple, full, lever=lever)
     say = sys.stdout.write
-    say("| angle, rad | M11, g mm2 | M22 | K11, N mm/rad | K22 | swing travel over angle | lift travel over angle |\n")
-    say("|---|---|---|---|---|---|---|\n")
-    zero = (0.0, 0.0)
-    for a in GRID[::2]:
-        swing, lift = full.terms((a, 0.0), zero, zero, zero), full.terms((0.0, a), zero, zero, zero)
-        tips = [full.outputs((a, 0.0), zero)[2], full.outputs((0.0, a), zero)[3]] if a else [np.nan, np.nan]
-        say(f"| {a:.2f} | {swing.mass[0]:.3f} | {lift.mass[2]:.3f} | {swing.stiffness[0]:.3f} | {lift.stiffness[2]:.3f} | "
-            f"{tips[0] / a if a else np.nan:.3f} | {tips[1] / a if a else np.nan:.3f} |\n")  # fmt: skip
+    say("| swing, lift, rad | M11, g mm2 | M12 | M22 | K11, N mm/rad | K22 | D11, N mm ms/rad | D22 | swing lever, mm/rad | lift lever |\n")
+    say("|---|---|---|---|---|---|---|---|---|---|\n")
+    for q in [*((a, 0.0) for a in GRID[::4]), *((0.0, a) for a in GRID[::4] if a)]:
+        m11, m12, m22, k11, k22, d11, d22, swing, lift = reduced(full, q)
+        say(f"| {q[0]:.1f}, {q[1]:.1f} | {m11:.3f} | {m12:.3f} | {m22:.3f} | {k11:.3f} | {k22:.3f} | {d11:.4f} | {d22:.4f} | "
+            f"{swing:.3f} | {lift:.3f} |\n")  # fmt: skip
     errors = ablate(simple, full, found, seconds=seconds, seed=seed)
     say("\n| simple with | free run, rad2 | 8 ms, rad2 | 8 ms, times lower |\n|---|---|---|---|\n")
     for group, (free, short) in errors.items():

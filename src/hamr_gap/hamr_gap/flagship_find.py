@@ -1,11 +1,12 @@
 """What the workflow finds between HAMR-simple and HAMR-full, whose difference `flagship` computes.
 
-    python -m hamr_gap.flagship_find       second table of docs/flagship.md
+    python -m hamr_gap.flagship_find       tables of docs/flagship.md, what the workflow finds
 """
 
 from __future__ import annotations
 
 import sys
+from itertools import combinations
 
 import numpy as np
 import tyro
@@ -17,9 +18,12 @@ from hamr_description.rates import SERVO_MS
 from hamr_dynamics import machine_kernel
 
 from .analyse import analyse
-from .flagship import scales
+from .flagship import EFFECTS, differences, scales
 from .found import in_words
+from .hypothesis import Hypothesis, Start, refine
 from .legs import machine_of
+from .parameters import effect_parameters
+from .prepare import Prepared
 from .record import Record
 
 PER_READING = 5  # servo samples for each of the encoder's
@@ -36,8 +40,20 @@ def recorded(leg: str, *, seconds: float, noise: float, seed: int) -> Record:
     return Record(drives, truth + error, PER_READING * SERVO_MS, full.channels, held=True, drives_per_reading=PER_READING)
 
 
+def from_truth(prepared: Prepared, leg: str) -> dict[tuple[str, ...], Hypothesis]:
+    """Each group of the truth's effects, fitted from the truth's own numbers: what the data could tell apart, however it is searched."""
+    true = {row: x for rows in differences(machine_of("simple", leg), machine_of("full", leg)).values() for row, x in rows.items()}
+    found = {}
+    for group in (g for size in range(1, len(EFFECTS) + 1) for g in combinations(EFFECTS, size)):
+        effects = tuple(EFFECTS[name] for name in group)
+        free = (*prepared.base.fit.free, *effect_parameters(effects, prepared.weighed.model.scales))
+        x = np.array([true.get(f.row, 0.0) / f.scale for f in free])
+        found[group] = refine(prepared.weighed, prepared.judged, Start(effects, free, x, np.inf))
+    return found
+
+
 def main(leg: str = "fl", seconds: float = 6.0, noise: float = 1e-3, seed: int = 3) -> None:
-    """Prints what each set of names leaves, and the answer."""
+    """Prints what each set of names leaves, the answer, and what the truth's own groups leave."""
     machine = machine_of("simple", leg)
     analysis = analyse(machine, recorded(leg, seconds=seconds, noise=noise, seed=seed))
     state = analysis.search
@@ -50,6 +66,9 @@ def main(leg: str = "fl", seconds: float = 6.0, noise: float = 1e-3, seed: int =
     say(f"| noise alone | {state.floor:.2g} | 0 |\n\n{analysis.verdict.verdict}\n")
     for w in analysis.weights[: len(analysis.verdict.set)]:
         say(f"- {w.probability:.2f} {in_words(w.hypothesis.effects, machine.joints) if w.hypothesis else 'outside the library'}\n")
+    say("\n| the truth's effects, fitted from its numbers | left | share of the gap |\n|---|---|---|\n")
+    for group, h in from_truth(analysis.prepared, leg).items():
+        say(f"| {' + '.join(group)} | {h.left:.3g} | {(h.left - state.floor) / gap:.2g} |\n")
 
 
 if __name__ == "__main__":

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from .law import Effect, Form, Joint, Pair, PairPush, Parameter, Push
 
-POWERS = ((2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
+POWERS, FINE = (tuple((n - j, j) for n in range(2, degree + 1) for j in range(n + 1)) for degree in (3, 5))
 SHARE = Parameter("share", "1", 0.7, 0.0, 1.0, "share of the joint's stiffness that is the actuator's", shape=True, screen=(0.2, 0.8))
+SHARES = tuple(replace(SHARE, name=f"share{i}", screen=(0.7,)) for i in (1, 2))
 
 
 def lever(x: Joint, p, z):
@@ -21,15 +22,29 @@ def lever(x: Joint, p, z):
 
 def map_of_both(x: Pair, p, z):
     """Travels a_i = q_i + polynomial of both angles: force (da/dq)^T (drive - k a) in place of drive - k q."""
-    s, r = x.q
+    return _through(x, p, POWERS), z
+
+
+def fine_map(x: Pair, p, z):
+    """The same up to the fifth degree, for travels as large as a linkage has them near its end stops."""
+    return _through(x, p, FINE), z
+
+
+def _through(x: Pair, p, powers: tuple[tuple[int, int], ...]) -> PairPush:
+    """Drives and springs through travels with terms s^i l^j of some powers (i, j)."""
+    (s, r), most = x.q, powers[-1][1]
+    of_s, of_r = ([1.0], [1.0])
+    for _ in range(most):
+        of_s.append(of_s[-1] * s)
+        of_r.append(of_r[-1] * r)
     force, stiffness, slips, net, slopes, springs = [0.0, 0.0], [0.0, 0.0, 0.0], [], [], [], []
     for i in (0, 1):
-        c = {power: p[f"a{i + 1}_{power[0]}{power[1]}"] for power in POWERS}
-        bend = (
-            s * (s * (c[2, 0] + c[3, 0] * s) + r * (c[1, 1] + c[2, 1] * s + c[1, 2] * r)) + r * r * (c[0, 2] + c[0, 3] * r)
-        )
-        by_s = s * (2.0 * c[2, 0] + 3.0 * c[3, 0] * s + 2.0 * c[2, 1] * r) + r * (c[1, 1] + c[1, 2] * r)
-        by_l = r * (2.0 * c[0, 2] + 3.0 * c[0, 3] * r + 2.0 * c[1, 2] * s) + s * (c[1, 1] + c[2, 1] * s)
+        bend, by_s, by_l = 0.0, 0.0, 0.0
+        for a, b in powers:
+            c = p[f"a{i + 1}_{a}{b}"]
+            bend = bend + c * (of_s[a] * of_r[b])
+            by_s = by_s + c * (float(a) * of_s[max(a - 1, 0)] * of_r[b])
+            by_l = by_l + c * (float(b) * of_r[max(b - 1, 0)] * of_s[a])
         spring = p[f"share{i + 1}"] * x.stiffness[i]
         slips.append(bend)
         net.append(x.drive[i] - spring * (x.q[i] + bend))
@@ -43,7 +58,7 @@ def map_of_both(x: Pair, p, z):
         unit = (1.0 - i, float(i))
         for e, (j, k) in enumerate(((0, 0), (0, 1), (1, 1))):
             stiffness[e] = stiffness[e] + springs[i] * (full[j] * full[k] - unit[j] * unit[k])
-    return PairPush(tuple(force), stiffness=tuple(stiffness), slip=tuple(slips)), z
+    return PairPush(tuple(force), stiffness=tuple(stiffness), slip=tuple(slips))
 
 
 def _coefficient(i: int, a: int, b: int) -> Parameter:
@@ -61,8 +76,10 @@ EFFECT = Effect(
             SHARE,
         )),
         Form("map", "pair", map_of_both, (
-            *(_coefficient(i, a, b) for i in (1, 2) for a, b in POWERS),
-            *(replace(SHARE, name=f"share{i}", screen=(0.7,)) for i in (1, 2)),
+            *(_coefficient(i, a, b) for i in (1, 2) for a, b in POWERS), *SHARES,
+        )),
+        Form("fine_map", "pair", fine_map, (
+            *(_coefficient(i, a, b) for i in (1, 2) for a, b in FINE), *SHARES,
         )),
     ),
     experiment="large motions of both joints; actuator deflection and joint angle side by side",
