@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hamr_gap.corrected import Corrected
+from hamr_gap.descent import KEPT
 from hamr_gap.fit import fit
 from hamr_gap.flagship_find import recorded
 from hamr_gap.legs import machine_of
@@ -57,16 +58,33 @@ def test_without_coarser_steps_all_runs_are_exact(swinging, monkeypatch):
     assert Corrected(weighed, free, x, run).exact  # where coarse steps diverge
 
 
-def test_a_fit_ends_where_one_in_fine_steps_ends_and_simulates_less(swinging, monkeypatch):
-    weighed, free = swinging
-    steps = []
+@pytest.fixture
+def steps(monkeypatch) -> list[int]:
+    """Steps of all lanes that are simulated, added to the last number."""
+    counts = []
     run_rows = Model.run_rows
 
     def counted(model: Model, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
-        steps[-1] += len(rows) * model.substeps
+        counts[-1] += len(rows) * model.substeps
         return run_rows(model, rows, samples)
 
     monkeypatch.setattr(Model, "run_rows", counted)
+    return counts
+
+
+def test_where_derivatives_keep_their_promise_no_other_steps_are_tried(swinging, steps, monkeypatch):
+    weighed, free = swinging
+    found = []
+    for kept in (KEPT, np.inf):
+        monkeypatch.setattr("hamr_gap.descent.KEPT", kept)
+        steps.append(0)
+        found.append(fit(replace(weighed, coarse=None), free, np.zeros(len(free))))
+    assert found[0].cost == pytest.approx(found[1].cost, rel=1e-3)
+    assert steps[0] < 0.8 * steps[1]
+
+
+def test_a_fit_ends_where_one_in_fine_steps_ends_and_simulates_less(swinging, steps):
+    weighed, free = swinging
     found = [(steps.append(0), fit(replace(weighed, coarse=coarse), free, np.zeros(len(free))))[1] for coarse in (weighed.coarse, None)]
     assert found[0].cost == pytest.approx(found[1].cost, rel=1e-4)
     assert steps[0] < 0.5 * steps[1]

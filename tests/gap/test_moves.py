@@ -12,15 +12,16 @@ from scipy.signal import lfilter
 
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
+from hamr_gap import search as search_module
 from hamr_gap import threads
 from hamr_gap.colour import correlation_time
-from hamr_gap.descent import TRIALS
+from hamr_gap.descent import FIRST
 from hamr_gap.fit import fit
 from hamr_gap.flagship_find import recorded
 from hamr_gap.hypothesis import Start, refine, refined
 from hamr_gap.legs import machine_of
 from hamr_gap.model import Model
-from hamr_gap.moves import apart, at_both, look, singles
+from hamr_gap.moves import ALONE, apart, at_both, look, pairs_of, promising, singles
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.readings import fresh
@@ -92,6 +93,20 @@ def test_a_coupled_potential_gives_way_to_the_one_spring_that_it_is():
     assert best.left < 1.02 * h.left < 0.2 * bent.base.left
 
 
+def test_a_spring_across_both_angles_is_tried_at_each_joint_by_itself(rubbing, monkeypatch):
+    """From where it is: the same centre, width and stiffness."""
+    monkeypatch.setattr("hamr_gap.simpler.refined", lambda weighed, judged, wanted: wanted)
+    oblique = Candidate("configuration_dependent_stiffness", "oblique", (0, 1))
+    h = fitted(rubbing, oblique)
+    own = {s.effects[0]: s for s in special_cases(rubbing.weighed, rubbing.judged, h) if s.effects[0].effect == oblique.effect}
+    for joint in (0, 1):
+        valley = own[Candidate(oblique.effect, "valley", (joint,))]
+        begun = {f.row: x for f, x in zip(valley.free, valley.x, strict=True)}
+        known = {f.row: x for f, x in zip(h.fit.free, h.fit.x, strict=True)}
+        for name in ("stiffness", "centre", "width"):
+            assert begun[f"{oblique.effect}.valley.{name}.{joint}"] == known[f"{oblique.effect}.oblique.{name}.0"]
+
+
 def test_an_inertia_that_seems_to_vary_gives_way_to_the_constant_coupling_that_it_is():
     """The re-tune takes most of the coupling up by making all else lighter, so that only its velocity forces seem to be missing."""
     coupled = prepare(machine_of("simple", "fl"), shaken("lift_swing_coupling.inertia", {"inertia.0": -0.6}))
@@ -118,6 +133,68 @@ def test_thresholds_found_at_each_joint_are_tried_together():
     limits = {f.row: unit / x for f, x in zip(both.fit.free, both.fit.x, strict=True)}
     assert limits["drive_saturation.hard.sharpness.0"] == pytest.approx(65.0, rel=0.02)
     assert limits["drive_saturation.hard.sharpness.1"] == pytest.approx(45.0, rel=0.02)
+
+
+BESIDE = (Candidate("quadratic_damping", "square", (1,)), Candidate("drive_lag", "first_order", (1,)))
+
+
+def test_only_what_the_linear_picture_likes_is_simulated_alone_but_all_of_it_in_pairs(rubbing, monkeypatch):
+    everything = (*BESIDE, FRICTION, replace(FRICTION, form="sign"))
+    seen = look(rubbing.weighed, rubbing.base.fit, everything)
+    alone = {}
+    for count in (1, 3):
+        monkeypatch.setattr("hamr_gap.moves.LIKED", count)
+        alone[count] = singles(rubbing.weighed, rubbing.base.fit, seen, everything)
+    assert {s.effects[0].name for s in alone[1]} == {FRICTION.name}
+    assert {s.effects[0] for s in alone[3]} == set(everything)
+    own = [s.cost for s in alone[3] if s.effects[0].name == FRICTION.name]
+    assert [s.cost for s in alone[1]] == own  # what is left out changes nothing for the others
+    pairs = pairs_of(rubbing.weighed, rubbing.judged, rubbing.base.fit, seen, everything, alone[1])
+    assert {frozenset(c.name for c in h.effects) for h in pairs} >= {frozenset({FRICTION.name, c.name}) for c in BESIDE}
+
+
+def test_starts_far_worse_than_the_best_are_not_fitted():
+    starts = [Start((c,), (), np.zeros(0), cost) for c, cost in ((FRICTION, 1.0), (BESIDE[0], 0.99 * ALONE), (BESIDE[1], 1.01 * ALONE))]
+    assert promising(starts, ALONE) == starts[:2]
+
+
+@pytest.mark.parametrize("near", [True, False])
+def test_the_model_as_given_is_looked_about_only_where_the_retune_is_not_far_better(rubbing, monkeypatch, near):
+    free = rubbing.base.fit.free
+    given = fit(rubbing.weighed, free, np.zeros(len(free)), steps=0)
+    monkeypatch.setattr(search_module, "ASTRAY", given.cost / rubbing.base.fit.cost * (1.01 if near else 0.99))
+    monkeypatch.setattr(search_module, "candidates", lambda machine, record: [FRICTION])
+    about = []
+    monkeypatch.setattr(search_module, "look", lambda weighed, fit, *more, **how: (about.append(fit), look(weighed, fit, *more, **how))[1])
+    monkeypatch.setattr(search_module, "refined", lambda *given: 1 / 0)  # no further
+    with pytest.raises(ZeroDivisionError):
+        search_module.search(rubbing.weighed, rubbing.judged, rubbing.base)
+    assert [f.cost for f in about] == [rubbing.base.fit.cost, given.cost][: 1 + near]
+
+
+def test_responses_that_diverge_are_no_columns(rubbing, monkeypatch):
+    """Neither of sizes that were tried smaller in vain, nor of limits that keep theirs."""
+    real = Model.run_rows
+    monkeypatch.setattr(Model, "run_rows", lambda *given: (run := real(*given)) * np.where(len(run) > 1, 1e30, 1.0))
+    seen = look(rubbing.weighed, rubbing.base.fit, [FRICTION, Candidate("drive_saturation", "hard", (1,))])
+    own = np.diag(seen.fitted[0])[seen.fixed :]
+    assert len(own) > 1
+    np.testing.assert_array_equal(own, 0.0)
+
+
+def test_responses_of_about_the_size_wanted_serve_as_they_are(rubbing, monkeypatch):
+    """What is far from it is simulated again, at another size; limits that are screened one by one keep theirs."""
+    simulated = []
+    real = Model.run_rows
+    monkeypatch.setattr(Model, "run_rows", lambda model, rows, *more: (simulated.append(rows), real(model, rows, *more))[1])
+    clipped = Candidate("drive_saturation", "hard", (1,))
+    seen = look(rubbing.weighed, rubbing.base.fit, [FRICTION, *BESIDE, clipped])
+    rows, index = np.concatenate(simulated), rubbing.weighed.model.machine.parameter_rows.index
+    resized = [c for c in seen.columns if c.size != c.parameter.typical and not c.parameter.screen]
+    assert 0 < len(resized) < len([c for c in seen.columns if not c.parameter.screen])
+    for row in {c.row for c in seen.columns}:
+        own = [c for c in seen.columns if c.row == row]
+        assert np.count_nonzero(rows[:, index(row)]) == len(own) + len([c for c in own if c in resized])
 
 
 @pytest.mark.filterwarnings("error")
@@ -189,7 +266,7 @@ def test_steps_beyond_newtons_lead_on_along_what_sticks_and_slips(monkeypatch):
     added, shares = free[len(stuck.base.fit.x) :], np.geomspace(0.05, 2.7, 32)
     starts = [np.array([*stuck.base.fit.x, *(f.center or share * f.sd / 30 for f in added)]) for share in shares]
     beyond = np.array([fit(stuck.weighed, free, x).cost for x in starts])
-    monkeypatch.setattr("hamr_gap.descent.TRIALS", np.minimum(TRIALS, 1.0))
+    monkeypatch.setattr("hamr_gap.descent.FIRST", np.minimum(FIRST, 1.0))
     capped = np.array([fit(stuck.weighed, free, x).cost for x in starts])
     found = 1.05 * min(beyond.min(), capped.min())
     assert np.sum(beyond < found) > 1.5 * np.sum(capped < found)

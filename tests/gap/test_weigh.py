@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,22 +15,27 @@ from hamr_gap.weigh import UNKNOWN, weigh
 
 
 def weights(**left: float) -> dict[str, float]:
-    """Probability of each name, at the first joint or, with _1, the second, where a gap of 100 times the noise is left to these shares."""
+    """Probability of each name, at the first joint or, with _1, the second, where a gap of 100 times the noise is left to these shares.
+
+    With _01 it is at both.
+    """
 
     def one(names: str, share: float) -> SimpleNamespace:
-        places = ((name.removesuffix("_1"), int(name.endswith("_1"))) for name in names.split("__"))
-        effects = tuple(Candidate(name, FORMS[name], (joint,)) for name, joint in places)
+        places = (re.fullmatch(r"(.+?)_?([01]*)", name).groups() for name in names.split("__"))
+        effects = tuple(Candidate(name, FORMS[name], tuple(map(int, joints or "0"))) for name, joints in places)
         blocks = share * (1.0 + 0.01 * np.random.default_rng(len(names)).standard_normal(24))
         return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=2)
 
     tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
     state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, by_names=lambda: tried)
     found = weigh(state, 10_000)
-    named = {"__".join(c.effect + "_1" * c.joints[0] for c in w.hypothesis.effects) if w.hypothesis else "unknown": w for w in found}
+    suffix = {(0,): "", (1,): "_1", (0, 1): "_01"}
+    named = {"__".join(c.effect + suffix[c.joints] for c in w.hypothesis.effects) if w.hypothesis else "unknown": w for w in found}
     return {name: w.probability for name, w in named.items()}
 
 
-FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic"}
+FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic",
+         "configuration_dependent_stiffness": "oblique"}  # fmt: skip
 
 
 def first(found: dict[str, float]) -> str:
@@ -75,6 +81,13 @@ def test_a_name_must_leave_less_throughout_than_its_special_case():
     assert "stribeck_friction_1" in weights(coulomb_friction=0.01, stribeck_friction_1=0.01)  # of another joint it is no case
     beside = weights(drive_lag=0.5, coulomb_friction__drive_lag=0.01, stribeck_friction__drive_lag=0.01)
     assert "coulomb_friction__drive_lag" in beside and "stribeck_friction__drive_lag" not in beside
+
+
+def test_a_name_at_both_joints_must_leave_less_throughout_than_at_one():
+    """Also one that couples them and so counts as one place: a spring across both angles may lie along one of them."""
+    for name in ("drive_lag", "configuration_dependent_stiffness"):
+        assert f"{name}_01" not in weights(**{name: 0.01, f"{name}_01": 0.01})
+        assert weights(**{name: 0.05, f"{name}_01": 0.0001})[f"{name}_01"] > 0.9
 
 
 @pytest.mark.parametrize(("more", "in_blocks", "chosen"), [

@@ -13,8 +13,9 @@ from .parameters import Free
 from .weighed import Weighed
 
 #: Shares of a Newton step; more than all of it, since in long valleys, as of what sticks and slips, the next one leads on the same way.
-TRIALS = np.array([4.0, 2.0, 1.0, 0.7, 0.4, 0.2, 0.1, 0.05, 0.02, 0.007])
+FIRST, SHORTER = np.array([4.0, 2.0, 1.0, 0.7]), np.array([0.4, 0.2, 0.1, 0.05, 0.02, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
+KEPT = 0.95  # of what derivatives promise: a step that gains so much is taken, and no other one is tried
 DELTAS = (1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
 FORESEEN = 0.01  # of the cost: if derivatives promise more than this and nothing is gained, larger ones are tried
 LEAST = 0.05  # of half a sum of squares in units of the noise: no step is worth less
@@ -65,23 +66,22 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
         gradient = derivatives.T @ residual - precision * np.concatenate([x - center, s])
         hessian = derivatives.T @ derivatives + np.diag(precision + 1e-9 * len(residual))
         direction = _bounded_step(hessian, gradient, x, low, high, n)
-        damped = [_bounded_step(hessian + np.diag(share * np.diag(hessian)), gradient, x, low, high, n) for share in DAMPED]
-        trials = np.clip(x + np.vstack([TRIALS[:, None] * direction[:n], [d[:n] for d in damped]]), low, high)
-        tried = runs.near(trials)
-        costs = np.full(len(trials), np.inf)
-        for k in np.flatnonzero(np.isfinite(tried).all((1, 2))):
-            if k < len(TRIALS) and k > 1 and costs[k - 1] > costs[k - 2] and costs[k - 2] < cost:
-                continue  # past the best
-            costs[k] = weighed.solve_sensors(tried[k], sensors.shift, doubt)[1] + doubt * _prior(free, trials[k])
-        best, foreseen = int(np.argmin(costs)), 0.5 * float(gradient @ direction)
-        promised, gained = costs[best] < cost, 0.0
+        foreseen = 0.5 * float(gradient @ direction)
+        about = (weighed, free, runs, sensors.shift, doubt)
+        trial = _best(*about, np.clip(x + FIRST[:, None] * direction[:n], low, high))
+        if cost - trial[0] < KEPT * foreseen:
+            damped = [_bounded_step(hessian + np.diag(share * np.diag(hessian)), gradient, x, low, high, n)[:n] for share in DAMPED]
+            others = _best(*about, np.clip(x + np.vstack([SHORTER[:, None] * direction[:n], damped]), low, high))
+            trial = min(trial, others, key=lambda t: t[0])
+        left, at, there = trial
+        promised, gained = left < cost, 0.0
         if promised:
-            there = runs.at(trials[best], tried[best])
+            there = runs.at(at, there)
             solution, left = weighed.solve_sensors(there, sensors.shift, doubt)
-            left += doubt * _prior(free, trials[best])
+            left += doubt * _prior(free, at)
             gained = max(0.0, cost - left)
         if gained > 0.0:
-            x, run, s, cost = trials[best], there, solution, left
+            x, run, s, cost = at, there, solution, left
         elif promised and not runs.exact:
             runs.refine()
             continue
@@ -90,6 +90,18 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
                 break
             delta = DELTAS[DELTAS.index(delta) + 1]
     return Point(x, run, s, cost)
+
+
+def _best(
+    weighed: Weighed, free: Sequence[Free], runs: Corrected, shift: float, doubt: float, trials: np.ndarray,
+) -> tuple[float, np.ndarray, np.ndarray]:  # fmt: skip
+    """Of (K, P) trials the one that costs least: its cost, (P,) itself, and its run."""
+    tried = runs.near(trials)
+    costs = np.full(len(trials), np.inf)
+    for k in np.flatnonzero(np.isfinite(tried).all((1, 2))):
+        costs[k] = weighed.solve_sensors(tried[k], shift, doubt)[1] + doubt * _prior(free, trials[k])
+    k = int(np.argmin(costs))
+    return float(costs[k]), trials[k], tried[k]
 
 
 def _prior(free: Sequence[Free], x: np.ndarray) -> float:

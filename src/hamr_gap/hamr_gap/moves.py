@@ -16,9 +16,10 @@ from .parameters import Candidate, effect_parameters
 from .screen import Screen, screen
 from .weighed import Weighed
 
+LIKED = 24  # names simulated alone: those that leave little then stand high in the linear picture about a re-tune
 SHAPES = 2  # sets of shapes of each candidate that are simulated
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
-PROMISING = 3.0  # times the cost of the best start, from which a larger set is fitted at all
+ALONE, PROMISING = 20.0, 3.0  # times the cost of the best start, from which one effect, or a larger set, is fitted at all
 MORE = 6  # names fitted beside others
 
 
@@ -29,8 +30,10 @@ def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit
 
 
 def singles(weighed: Weighed, about: Fit, seen: Screen, wanted: Sequence[Candidate]) -> list[Start]:
-    """A start for every candidate and its best shapes."""
-    return starts(weighed, about, seen, [((c,), s) for c in wanted for s in seen.best(c, SHAPES)])
+    """A start for each of the names that the linear picture likes best, in all forms and their best shapes."""
+    solutions = sorted(((c, s) for c in wanted for s in seen.best(c, SHAPES)), key=lambda found: found[1].cost)
+    names = list(dict.fromkeys(c.name for c, _ in solutions))[:LIKED]
+    return starts(weighed, about, seen, [((c,), s) for c, s in solutions if c.name in names])
 
 
 def first_of_each(found: Sequence[Start], count: int) -> list[Start]:
@@ -52,13 +55,22 @@ def in_forms(found: Sequence[Start], names: int, forms: int) -> list[Start]:
     return [*best.values(), *first[forms:]]
 
 
-def pairs_of(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, alone: Sequence[Start]) -> list[Hypothesis]:
-    """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted."""
-    kept = [start.effects[0] for start in first_of_each(alone, len(alone))]
-    best = {c: seen.best(c)[0] for c in kept}
+def pairs_of(
+    weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, everything: Sequence[Candidate], alone: Sequence[Start]
+) -> list[Hypothesis]:
+    """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted.
+
+    Of each name the form whose start, `alone`, left least, or what the linear picture likes best.
+    """
+    best = {c: seen.best(c)[0] for c in everything}
+    simulated = [start.effects[0] for start in first_of_each(alone, len(alone))]
+    form: dict[tuple, Candidate] = {}
+    for c in (*simulated, *sorted(everything, key=lambda c: best[c].cost)):
+        form.setdefault(c.name, c)
+    kept = form.values()
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return refined(weighed, judged, _promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)))
+    return refined(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)))
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
@@ -70,7 +82,7 @@ def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything:
     """One more effect beside others, in a linear picture about them; the first name in all its forms."""
     wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
     found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
-    fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in refined(weighed, judged, _promising(found))]
+    fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in refined(weighed, judged, promising(found))]
     return [*fitted, *at_both(weighed, judged, fitted)]
 
 
@@ -95,10 +107,10 @@ def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypoth
     return refine(weighed, judged, Start(effects, free, x, np.inf))
 
 
-def _promising(found: Sequence[Start]) -> list[Start]:
+def promising(found: Sequence[Start], times: float = PROMISING) -> list[Start]:
     """Those whose starts are not far worse than the best."""
     least = min((start.cost for start in found), default=0.0)
-    return [start for start in found if start.cost <= PROMISING * least]
+    return [start for start in found if start.cost <= times * least]
 
 
 def _names(start: Start) -> frozenset:

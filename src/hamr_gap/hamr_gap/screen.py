@@ -22,6 +22,7 @@ from .threads import at_once
 from .weighed import Weighed
 
 BATCH = 48  # lanes at a time
+NEAR = 2.0  # times as large or small a response as wanted, that serves as well
 DIVERGED = 1e9  # in units of the noise: as which larger responses count
 
 
@@ -128,17 +129,18 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
             return (weighed.beside(read) / weighed.sigma).astype(np.float32)
 
     responses = np.empty((len(columns), *plain.shape), np.float32)
-    for round_ in (0, 1):  # at the typical size, then at the size that matters
-        parts = [columns[at : at + BATCH] for at in range(0, len(columns), BATCH)]
-        for k, found in enumerate(at_once(respond, parts)):
-            responses[k * BATCH : k * BATCH + len(found)] = found
-        if round_ == 0:
-            largest = np.maximum(responses.max((1, 2)), -responses.min((1, 2)))
-            responses[~(largest < DIVERGED)] = DIVERGED  # also what is not finite
-            rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))
-            columns = [_resized(c, amplitude / max(r, 1e-9)) for c, r in zip(columns, rms, strict=True)]
-    finite = np.isfinite(responses).all((1, 2))
-    responses[~finite] = 0.0
+
+    def simulate(which: np.ndarray) -> None:
+        parts = [which[at : at + BATCH] for at in range(0, len(which), BATCH)]
+        for part, found in zip(parts, at_once(lambda part: respond([columns[k] for k in part]), parts), strict=True):
+            responses[part] = found
+
+    simulate(np.arange(len(columns)))  # at the typical size, then at the size that matters
+    responses[_diverged(responses)] = DIVERGED
+    rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))
+    typical, columns = columns, [_resized(c, amplitude / max(r, 1e-9)) for c, r in zip(columns, rms, strict=True)]
+    simulate(np.array([k for k, (c, old) in enumerate(zip(columns, typical, strict=True)) if c is not old], int))
+    responses[_diverged(responses)] = 0.0
 
     everything = replace(weighed, model=model, chosen=np.ones_like(chosen))
     fixed = jacobian(everything, base.free, base.x, plain, base.sensors).T.reshape(-1, *plain.shape)
@@ -148,6 +150,11 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
         [f.sd**-2.0 for f in base.free], weighed.sensor_precision, [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
     ])  # fmt: skip
     return Screen(columns, len(fixed), groups, (a @ a.T, a @ r, float(r @ r)), ridge)
+
+
+def _diverged(responses: np.ndarray) -> np.ndarray:
+    """(K,) which of (K, n, channels) responses are too large, or not finite."""
+    return ~(np.maximum(responses.max((1, 2)), -responses.min((1, 2))) < DIVERGED)
 
 
 def _columns(candidates: Sequence[Candidate], scales) -> tuple[list[Column], dict]:
@@ -169,8 +176,8 @@ def _columns(candidates: Sequence[Candidate], scales) -> tuple[list[Column], dic
 
 
 def _resized(column: Column, factor: float) -> Column:
-    """A column at another size, within bounds and reason; sizes with screening values of their own keep them."""
-    if column.parameter.screen:
+    """A column at another size, within bounds and reason; itself if that is near, or has screening values of its own."""
+    if column.parameter.screen or 1.0 / NEAR < factor < NEAR:
         return column
     p = column.parameter
     limit = 0.5 * (p.high if column.size > 0 else -p.low)

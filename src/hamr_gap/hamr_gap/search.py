@@ -11,7 +11,7 @@ from .blocks import THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, Start, refined, residual
-from .moves import at_both, beside, in_forms, look, pairs_of, singles
+from .moves import ALONE, at_both, beside, in_forms, look, pairs_of, promising, singles
 from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
@@ -25,6 +25,7 @@ EARNED = 1.01  # by how much each further parameter of a form must lower what is
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
+ASTRAY = 10.0  # times the re-tune's cost, up to which the model as given is worth looking about: beyond, other parameters are what it lacks
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
 LATE = 0.1  # of a reading's step: what an effect moves the clocks' shift by, before all is simulated with the new one
@@ -93,9 +94,10 @@ def search(
     state = Search(weighed, base, seen)
     report("singles")
     alone = singles(weighed, base.fit, seen, everything)
-    given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)  # a strong effect leads the re-tune astray
-    alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
-    state.tried += refined(weighed, judged, [*in_forms(alone, SINGLES, ALL_FORMS), *known])
+    given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)
+    if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
+        alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
+    state.tried += refined(weighed, judged, [*in_forms(promising(alone, ALONE), SINGLES, ALL_FORMS), *known])
     state.tried += at_both(weighed, judged, state.tried)
     late = state.best.fit.sensors.shift
     if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
@@ -112,7 +114,7 @@ def search(
             break
         report(f"sets of {size}")
         smaller = state.best_of(size - 1)
-        state.tried += pairs_of(weighed, judged, base.fit, seen, alone) if size == 2 else []
+        state.tried += pairs_of(weighed, judged, base.fit, seen, everything, alone) if size == 2 else []
         state.tried += beside(weighed, judged, smaller, everything)
         if state.best.left - state.floor > NEEDED * before:
             break

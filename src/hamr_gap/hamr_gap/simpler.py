@@ -36,16 +36,19 @@ def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypoth
 def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
     """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that contains or mimics it.
 
-    Of several effects each is fitted in its own other forms too: singles have been, but others were found beside some one form.
+    Of several effects each is fitted in its own other forms too: singles have been, but others were found beside some one form. So is
+    one that couples two joints: it may be a form of its own name at one of them, which a fit from elsewhere has missed.
     """
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
     wanted = []
     for i, c in enumerate(h.effects):
-        names = (*(c.effect,) * (len(h.effects) > 1), *library()[c.effect].contains, *library()[c.effect].mimics)
+        own = len(h.effects) > 1 or c.law.acts == "pair"
+        names = (*(c.effect,) * own, *library()[c.effect].contains, *library()[c.effect].mimics)
         for simple in (s for name in names for form in library()[name].forms for s in _within(c, name, form) if s != c):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
-            like = {simple.row(p, place): values.get(c.row(p, place)) for p in simple.law.parameters for place in c.places}
+            there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}
+            like = {simple.row(p, place): values.get(c.row(p, at)) for p in simple.law.parameters for place, at in there.items()}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
             x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
             wanted.append(Start(effects, free, x, np.inf))

@@ -74,12 +74,12 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
 
 
 def _special(few: frozenset, names: frozenset) -> bool:
-    """Whether a set of names differs from another by one special case, at the same joints or some of them."""
+    """Whether a set of names differs from another by one special case, or the same name, at the same joints or some of them."""
     own, others = few - names, names - few
     if len(own) != 1 or len(others) != 1:
         return False
     ((simple, joints),), ((wide, all_joints),) = own, others
-    return simple in library()[wide].contains and set(joints) <= set(all_joints)
+    return (simple == wide or simple in library()[wide].contains) and set(joints) <= set(all_joints)
 
 
 def credible(weights: Sequence[Weight]) -> list[Weight]:
