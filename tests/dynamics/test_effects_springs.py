@@ -70,6 +70,23 @@ def test_a_spring_with_hysteresis_follows_its_curves_out_and_back(skew, way):
     assert travelled == pytest.approx(np.log1p(back * top) / back, rel=1e-3)
 
 
+@given(st.floats(-1.4, 0.9), st.floats(-0.5, 0.5), st.floats(-0.3, 0.3))
+def test_a_loop_through_no_twist_does_not_jump_with_where_steps_end(skew, twist, way):
+    """What a fit differentiates: the same way in one step or two, and from a little more twist or less."""
+    law = find("spring_hysteresis")
+    p = parameters(law, size=1.0, distance=1.0, skew=skew)
+
+    def after(z: float, *ways: float) -> float:
+        state = (z,)
+        for part in ways:
+            push, state = law.law(Joint(0.0, part / H, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, state)
+        return push.force
+
+    assert after(twist, way) == pytest.approx(after(twist, *(way / 64,) * 64), abs=1e-3 + 0.2 * ((1.0 + abs(skew)) * abs(way)) ** 3)
+    for at in (0.0, twist, -way):  # the last is just through
+        assert after(at + 1e-9, way) == pytest.approx(after(at - 1e-9, way), abs=1e-8)
+
+
 @pytest.mark.parametrize("skew", [-0.8, 0.0, 0.6])
 @pytest.mark.parametrize(("way", "steps"), [(1.0, 4000), (-1.0, 4000), (1.0, 3)])
 def test_hysteresis_of_exponent_two_follows_its_curves_out_and_back(skew, way, steps):
@@ -151,6 +168,21 @@ def test_local_springs_are_gradients_too(form, energy, q):
 
 def pair(q, v=(0.0, 0.0), drive=(0.3, -0.2)) -> Pair:
     return Pair(tuple(q), tuple(v), drive, (1.5, 0.8), (1.0, 1.0), H)
+
+
+@given(st.integers(-400, 399).map(lambda k: (k + 0.5) * 1e-4), st.floats(-30.0, 30.0), st.sampled_from(["upper", "lower", "both"]))
+def test_a_stop_pushes_for_the_part_of_a_step_in_which_it_touches(depth, rate, form):
+    """The mean over a step at a steady rate; so no run jumps with the step in which it hits."""
+    stop = find("end_stop", form)
+    p, damper = parameters(stop, stiffness=5.0, limit=0.3, damping=1e-9), parameters(stop, stiffness=1e-9, limit=0.3, damping=2.0)
+    side = -1.0 if form == "lower" else 1.0
+
+    def push(depth: float, p: dict):
+        return stop.law(Joint(side * (0.3 + depth), side * rate, 0.0, 1.0, 1.0, 0.0, 1e-3, 9.0), p, ())[0]
+
+    along = depth + rate * 1e-3 * ((np.arange(1000) + 0.5) / 1000 - 0.5)
+    assert -side * float(push(depth, p).force) == pytest.approx(5.0 * np.mean(np.maximum(along, 0.0)), abs=1e-5)
+    assert float(push(depth, damper).damping) == pytest.approx(2.0 * np.mean(along > 0.0), abs=3e-3)
 
 
 def transmission_energy(q, p) -> float:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..scalar import clip, maximum, positive, sqrt
-from .dragged import dragged
+from ..scalar import clip, maximum, sqrt
+from .dragged import LITTLE, dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
@@ -64,9 +64,10 @@ def bristles(x: Joint, p, z, *, breakaway, limit):
     """
     way, sharp = x.step * x.v, p["sharpness"]
     soft, softly = dragged(z[0], way, p["distance"], limit)
-    free = z[1] + way / p["distance"]
+    ahead = way / p["distance"]
+    free = z[1] + ahead
     hard = clip(free, -limit, limit)
-    held = 1.0 - positive(maximum(free, -free) - limit)
+    held = 1.0 - clip((maximum(free, -free) - limit) / (maximum(ahead, -ahead) + LITTLE), 0.0, 1.0)  # on that share of the way
     yielding = (1.0 - sharp) * maximum(1.0 - maximum(soft, -soft) / limit, 0.0) + sharp * held
     bending = (1.0 - sharp) * softly * p["distance"] + sharp * held  # share of a further rate that bends them
     bears, bore = (1.0 - sharp) * soft + sharp * hard, (1.0 - sharp) * z[0] + sharp * z[1]

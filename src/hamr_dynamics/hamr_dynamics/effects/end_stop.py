@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum, positive
+from ..scalar import clip, maximum, positive
+from .dragged import LITTLE
 from .law import Effect, Form, Joint, Parameter, Push
 
 STIFFNESS = Parameter("stiffness", "F/Q", 2.0, 0.0, 1e4, "of the stop")
@@ -11,28 +12,33 @@ LIMIT = Parameter("limit", "Q", 1.5, 0.1, 4.0, "angle from rest at which it begi
 DAMPING = Parameter("damping", "F*T/Q", 0.05, 1e-6, 10.0, "while it pushes", shape=True, screen=(0.05,))
 
 
-def _side(depth, rate, p):
-    touching = positive(depth)
-    push = maximum(p["stiffness"] * depth + positive(p["stiffness"]) * p["damping"] * rate, 0.0) * touching
-    return push, touching * p["stiffness"], touching * positive(p["stiffness"]) * p["damping"]
+def _side(depth, x: Joint, rate, p):
+    """Mean force, stiffness and damping over a step that may touch for a part of it only.
+
+    So nothing jumps with the step in which it hits, which a fit's derivatives would stumble over.
+    """
+    half = 0.5 * x.step * maximum(rate, -rate)
+    share = clip(0.5 + 0.5 * depth / (half + LITTLE), 0.0, 1.0)  # of the step; depth is that of its middle
+    stiffness, damping = share * p["stiffness"], share * positive(p["stiffness"]) * p["damping"]
+    return maximum(stiffness * (depth + half * (1.0 - share)) + damping * rate, 0.0), stiffness, damping
 
 
 def both(x: Joint, p, z):
     """Springs and dampers beyond +-limit that never pull."""
-    up, k_up, d_up = _side(x.q - p["limit"], x.v, p)
-    down, k_down, d_down = _side(-x.q - p["limit"], -x.v, p)
+    up, k_up, d_up = _side(x.q - p["limit"], x, x.v, p)
+    down, k_down, d_down = _side(-x.q - p["limit"], x, -x.v, p)
     return Push(down - up, stiffness=k_up + k_down, damping=d_up + d_down), z
 
 
 def upper(x: Joint, p, z):
     """Beyond +limit only."""
-    push, k, d = _side(x.q - p["limit"], x.v, p)
+    push, k, d = _side(x.q - p["limit"], x, x.v, p)
     return Push(-push, stiffness=k, damping=d), z
 
 
 def lower(x: Joint, p, z):
     """Beyond -limit only."""
-    push, k, d = _side(-x.q - p["limit"], -x.v, p)
+    push, k, d = _side(-x.q - p["limit"], x, -x.v, p)
     return Push(push, stiffness=k, damping=d), z
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..scalar import clip, maximum, positive, sqrt
-from .dragged import dragged
+from ..scalar import clip, maximum, minimum, positive, sqrt
+from .dragged import LITTLE
 from .law import Effect, Form, Joint, Parameter, Push
 
 YIELDS = (0.25, 0.5, 1.0, 2.0)  # of sliders, in widths
@@ -12,10 +12,18 @@ YIELDS = (0.25, 0.5, 1.0, 2.0)  # of sliders, in widths
 def bouc_wen(x: Joint, p, z):
     """-size z, dz/dt = (v - |v| z - skew v |z|) / distance (Bouc-Wen of exponent one, whose alpha, beta gamma and delta / gamma are
     size / distance, 1 / distance and skew)."""
-    way = x.step * x.v
-    yields = 1.0 - p["skew"] + 2.0 * p["skew"] * positive(way * z[0])  # loading, 1 + skew; unloading, 1 - skew
-    new, slope = dragged(z[0], way, p["distance"], 1.0 / yields)
-    return Push(-(p["size"] * new), stiffness=p["size"] * maximum(slope, 0.0)), (new,)
+    ahead = x.step * x.v / p["distance"]
+    far, twist = maximum(ahead, -ahead), maximum(z[0], -z[0])
+    back, out = 1.0 - p["skew"], 1.0 + p["skew"]  # what it yields by until there is no twist, and beyond
+    home = minimum(far, positive(-ahead * z[0]) * twist / (1.0 + 0.5 * back * twist))
+    rest = far - home
+    before, after = back * home, out * rest
+    passed = before + after
+    keep = 1.0 / (1.0 + passed + 0.5 * passed * passed)  # as `dragged` has it, whose limit is another one beyond
+    way = ahead / (far + LITTLE)
+    new = keep * (z[0] + way * (home * (1.0 + 0.5 * before) + rest * (1.0 + before + 0.5 * after)))
+    slope = (1.0 + passed) * keep * (1.0 - way * new * (back + (out - back) * positive(rest)))
+    return Push(-(p["size"] * new), stiffness=p["size"] / p["distance"] * maximum(slope, 0.0)), (new,)
 
 
 def squared(x: Joint, p, z):
