@@ -160,16 +160,19 @@ def test_starts_far_worse_than_the_best_are_not_fitted():
 
 @pytest.mark.parametrize("near", [True, False])
 def test_the_model_as_given_is_looked_about_only_where_the_retune_is_not_far_better(rubbing, monkeypatch, near):
+    """Names that are liked there are fitted in their own order: their starts cost more than those about the re-tune."""
     free = rubbing.base.fit.free
     given = fit(rubbing.weighed, free, np.zeros(len(free)), steps=0)
     monkeypatch.setattr(search_module, "ASTRAY", given.cost / rubbing.base.fit.cost * (1.01 if near else 0.99))
-    monkeypatch.setattr(search_module, "candidates", lambda machine, record: [FRICTION])
-    about = []
+    monkeypatch.setattr(search_module, "SINGLES", 1)
+    monkeypatch.setattr(search_module, "candidates", lambda machine, record: [FRICTION, *BESIDE])
+    about, wanted = [], []
     monkeypatch.setattr(search_module, "look", lambda weighed, fit, *more, **how: (about.append(fit), look(weighed, fit, *more, **how))[1])
-    monkeypatch.setattr(search_module, "refined", lambda *given: 1 / 0)  # no further
+    monkeypatch.setattr(search_module, "refined", lambda weighed, judged, starts: (wanted.extend(starts), 1 / 0))  # no further
     with pytest.raises(ZeroDivisionError):
         search_module.search(rubbing.weighed, rubbing.judged, rubbing.base)
     assert [f.cost for f in about] == [rubbing.base.fit.cost, given.cost][: 1 + near]
+    assert {s.effects[0] for s in wanted} == {FRICTION, *(BESIDE if near else ())}
 
 
 def test_responses_that_diverge_are_no_columns(rubbing, monkeypatch):

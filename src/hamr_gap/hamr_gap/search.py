@@ -11,7 +11,7 @@ from .blocks import THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, Start, refined, residual
-from .moves import ALONE, at_both, beside, in_forms, look, pairs_of, promising, singles
+from .moves import ALONE, at_both, beside, first_of_each, in_forms, look, pairs_of, promising, singles
 from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
@@ -21,6 +21,7 @@ from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
 ALL_FORMS = 3  # of these, in all their forms
+GIVEN = 4  # names that the model as given likes best, fitted besides
 EARNED = 1.01  # by how much each further parameter of a form must lower what is left
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
@@ -94,10 +95,13 @@ def search(
     state = Search(weighed, base, seen)
     report("singles")
     alone = singles(weighed, base.fit, seen, everything)
-    given = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0)
+    given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
     if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
-        alone += singles(weighed, given, look(weighed, given, everything, like=base.fit), everything)
-    state.tried += refined(weighed, judged, [*in_forms(promising(alone, ALONE), SINGLES, ALL_FORMS), *known])
+        alone += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
+    wanted = in_forms(promising(alone, ALONE), SINGLES, ALL_FORMS)
+    names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
+    wanted += [start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names]
+    state.tried += refined(weighed, judged, [*wanted, *known])
     state.tried += at_both(weighed, judged, state.tried)
     late = state.best.fit.sensors.shift
     if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
