@@ -94,13 +94,7 @@ def search(
     seen = look(weighed, base.fit, everything)
     state = Search(weighed, base, seen)
     report("singles")
-    alone = singles(weighed, base.fit, seen, everything)
-    given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
-    if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
-        alone += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
-    wanted = in_forms(promising(alone, ALONE), SINGLES, ALL_FORMS)
-    names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
-    wanted += [start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names]
+    alone, wanted = _alone(weighed, base, seen, everything)
     state.tried += refined(weighed, judged, [*wanted, *known])
     state.tried += at_both(weighed, judged, state.tried)
     late = state.best.fit.sensors.shift
@@ -128,6 +122,17 @@ def search(
     with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state
+
+
+def _alone(weighed: Weighed, base: Hypothesis, seen: Screen, everything: Sequence[Candidate]) -> tuple[list[Start], list[Start]]:
+    """Starts of single effects, about the re-tuned model and the one as given, and those to fit for good."""
+    found = singles(weighed, base.fit, seen, everything)
+    given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
+    if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
+        found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
+    wanted = in_forms(promising(found, ALONE), SINGLES, ALL_FORMS)
+    names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
+    return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
 
 
 def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:

@@ -8,7 +8,7 @@ from ..scalar import cos, sin
 from .law import Effect, Form, Input, Parameter
 
 #: Turns of the two waves in a run to screen with: a wave between two of them is a quarter of a turn off at the ends, and not lost.
-TURNS = {"slow": (2.5, 2.0, 1.5, 1.0, 0.6, 0.3), "fast": tuple(0.5 * k for k in range(17, 1, -1))}
+TURNS = {"slow": (2.5, 2.0, 1.5, 1.0, 0.6, 0.3), "fast": tuple(0.5 * k for k in range(30, 1, -1))}
 
 
 def linear(x: Input, p, z):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
 
@@ -43,12 +43,14 @@ def ideal(case: Case) -> dict:
     noise = np.repeat([angle, length_from_si(tip)], 2)[: len(record.channels)]
     prepared = prepare(machine_of("simple", LEG), record, noise=noise)
     state = search(prepared.weighed, prepared.judged, prepared.base)
+    prepared = replace(prepared, base=state.base, weighed=state.weighed)  # perhaps better timed
     own = _right(prepared, state, case)
     best: dict[frozenset, Hypothesis] = {}
     for h in sorted([prepared.base, *state.tried, *own], key=lambda h: h.left):
         best.setdefault(h.names, h)
     rivals = sorted(([said(h), _apart(prepared, h, noise)] for h in best.values()), key=lambda rival: rival[1])
-    forms = {" + ".join(c.form for c in h.effects): [asdict(e) for e in effects_of(prepared, h)] for h in own}
+    last = sorted(own, key=lambda h: -h.left)  # of several fits of one form the best counts
+    forms = {" + ".join(c.form for c in h.effects): [asdict(e) for e in effects_of(prepared, h)] for h in last}
     return {"rivals": rivals[:SHOWN], "forms": forms}
 
 
