@@ -25,6 +25,17 @@ def test_coulomb_friction_takes_the_same_amplitude_every_turn():
     assert -np.diff(tops) == pytest.approx(np.full(3, 0.08), rel=0.02)  # the excess is gone when it slides
 
 
+@pytest.mark.parametrize("way", [0.05, 0.2, 0.4])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_bristles_hold_on_the_part_of_a_step_before_they_slide(way, sign):
+    """All at once, from 0.9 of what they bear: so their spring does not jump with the step in which they begin to."""
+    law = find("coulomb_friction", "lugre")
+    p = parameters(law, level=0.7, damper=0.0, distance=1.0, sharpness=1.0)
+    push, _ = law.law(Joint(0.0, sign * way / H, 0.0, 1.0, 1.0, 0.0, H, 9.0), p, (0.0, 0.9 * sign))
+    assert push.stiffness == pytest.approx(0.7 * min(1.0, 0.1 / way))
+    assert push.force == pytest.approx(-sign * 0.7 * min(1.0, 0.9 + way))
+
+
 @pytest.mark.parametrize("drive", [0.1, -0.1])
 def test_friction_grows_with_the_load(drive):
     """4 (F + share |drive|) / k of every turn about where the drive holds the spring."""

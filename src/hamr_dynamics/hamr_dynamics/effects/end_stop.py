@@ -12,12 +12,12 @@ LIMIT = Parameter("limit", "Q", 1.5, 0.1, 4.0, "angle from rest at which it begi
 DAMPING = Parameter("damping", "F*T/Q", 0.05, 1e-6, 10.0, "while it pushes", shape=True, screen=(0.05,))
 
 
-def _side(depth, x: Joint, rate, p):
+def _side(depth, rate, step, p):
     """Mean force, stiffness and damping over a step that may touch for a part of it only.
 
     So nothing jumps with the step in which it hits, which a fit's derivatives would stumble over.
     """
-    half = 0.5 * x.step * maximum(rate, -rate)
+    half = 0.5 * step * maximum(rate, -rate)
     share = clip(0.5 + 0.5 * depth / (half + LITTLE), 0.0, 1.0)  # of the step; depth is that of its middle
     stiffness, damping = share * p["stiffness"], share * positive(p["stiffness"]) * p["damping"]
     return maximum(stiffness * (depth + half * (1.0 - share)) + damping * rate, 0.0), stiffness, damping
@@ -25,20 +25,20 @@ def _side(depth, x: Joint, rate, p):
 
 def both(x: Joint, p, z):
     """Springs and dampers beyond +-limit that never pull."""
-    up, k_up, d_up = _side(x.q - p["limit"], x, x.v, p)
-    down, k_down, d_down = _side(-x.q - p["limit"], x, -x.v, p)
+    up, k_up, d_up = _side(x.q - p["limit"], x.v, x.step, p)
+    down, k_down, d_down = _side(-x.q - p["limit"], -x.v, x.step, p)
     return Push(down - up, stiffness=k_up + k_down, damping=d_up + d_down), z
 
 
 def upper(x: Joint, p, z):
     """Beyond +limit only."""
-    push, k, d = _side(x.q - p["limit"], x, x.v, p)
+    push, k, d = _side(x.q - p["limit"], x.v, x.step, p)
     return Push(-push, stiffness=k, damping=d), z
 
 
 def lower(x: Joint, p, z):
     """Beyond -limit only."""
-    push, k, d = _side(-x.q - p["limit"], x, -x.v, p)
+    push, k, d = _side(-x.q - p["limit"], -x.v, x.step, p)
     return Push(push, stiffness=k, damping=d), z
 
 

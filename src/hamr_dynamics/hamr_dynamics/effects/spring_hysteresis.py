@@ -19,7 +19,7 @@ def bouc_wen(x: Joint, p, z):
     rest = far - home
     before, after = back * home, out * rest
     passed = before + after
-    keep = 1.0 / (1.0 + passed + 0.5 * passed * passed)  # as `dragged` has it, whose limit is another one beyond
+    keep = 1.0 / (1.0 + passed + 0.5 * passed * passed)  # exp(-passed), as in `dragged`, which knows one limit only
     way = ahead / (far + LITTLE)
     new = keep * (z[0] + way * (home * (1.0 + 0.5 * before) + rest * (1.0 + before + 0.5 * after)))
     slope = (1.0 + passed) * keep * (1.0 - way * new * (back + (out - back) * positive(rest)))
