@@ -37,6 +37,30 @@ def test_a_stop_is_a_spring_and_damper_while_pressed(depth, rate):
     assert float(stop.force) == pytest.approx(-push, abs=1e-12)
 
 
+@given(st.integers(-400, 399).map(lambda k: (k + 0.5) * 1e-4), st.floats(-30, 30, **finite), st.sampled_from([-1.0, 1.0]))
+def test_a_stop_that_knows_the_step_pushes_for_the_part_in_which_it_touches(depth, rate, side):
+    """Spring and damper are the means over a step at a steady rate; so no run jumps with the step in which it hits."""
+    step, along = 1e-3, depth + rate * 1e-3 * ((np.arange(1000) + 0.5) / 1000 - 0.5)
+    spring, damper = ({"stiffness": 5.0, "damping": 1e-9}, {"stiffness": 1e-9, "damping": 2.0})
+    push = stop_force(side * (STOP + depth), side * rate, -STOP, STOP, **spring, step=step)
+    assert -side * float(push.force) == pytest.approx(5.0 * np.mean(np.maximum(along, 0.0)), abs=1e-5)
+    if rate > 0.0:
+        assert float(stop_force(side * (STOP + depth), side * rate, -STOP, STOP, **damper, step=step).damping) == pytest.approx(
+            2.0 * np.mean(along > 0.0), abs=3e-3
+        )
+
+
+@given(st.floats(-2, 2, **finite), st.floats(-5, 5, **finite), st.floats(0.01, 0.5, **finite))
+def test_a_stop_that_knows_the_step_never_pulls(x, rate, step):
+    stop = stop_force(x, rate, -STOP, STOP, **LAW, step=step)
+    reach = 0.5 * step * abs(rate)
+    if x - reach > -STOP:
+        assert stop.force <= 0.0
+    if x + reach < STOP:
+        assert stop.force >= 0.0
+    assert (float(stop.active) == 1.0) == (stop.force != 0.0)
+
+
 HALVES = np.unique(np.round(np.geomspace(5, 100, 12)).astype(int))  # half periods in units of 0.5 ms: 200 to 10 Hz
 PATTERNS = np.array([
     [1, 1, 1, 1, 1, 1, 1, 1],

@@ -49,6 +49,7 @@ class Machine:
         outputs: (q, slip) -> readings of the channels.
         units: unit of F, Q, T and U, for reports.
         to_si: factor to these units, of F, Q, T, U.
+        stepped: whether `terms` also takes the step (T), as stops do that are touched for a part of it.
         moving: whether the last channels are the joints' rates and accelerations (`with_motion`), of which `outputs` knows nothing.
     """
 
@@ -60,6 +61,7 @@ class Machine:
     units: Mapping[str, str]
     to_si: Mapping[str, float]
     moving: bool = False
+    stepped: bool = False
 
     def __post_init__(self) -> None:
         if len(self.joints) not in (1, 2):
@@ -135,9 +137,10 @@ def leg_machine(plant: Plant, leg: str, *, gravity: float) -> Machine:
     """A suspended leg of a plant in the mirrored front-left frame; channels are its hip angles (rad) and actuator tips (mm)."""
     parameters = plant.parameters(leg)
 
-    def terms(q, v_mid, v, u) -> Terms:
-        at = plant.leg(q, v, u, parameters)
-        idle = plant.leg(q, v, (0.0, 0.0), parameters)
+    def terms(q, v_mid, v, u, step=None) -> Terms:
+        now = parameters | {"step": step}
+        at = plant.leg(q, v, u, now)
+        idle = plant.leg(q, v, (0.0, 0.0), now)
         weight = inertia(at.bodies, v_mid, (0.0, 0.0, 0.0), (0.0, 0.0, gravity))
         drive = tuple(x - y for x, y in zip(at.torque, idle.torque, strict=True))
         return Terms(weight.leg, weight.leg_bias, at.force, at.stiffness, at.damping, drive)
@@ -150,5 +153,5 @@ def leg_machine(plant: Plant, leg: str, *, gravity: float) -> Machine:
     joints = (f"{leg}_swing", f"{leg}_lift")
     si = {"F": 1e-3, "Q": 1.0, "T": 1e-3, "U": 1.0}
     units = {"F": "N*m", "Q": "rad", "T": "s", "U": "V"}
-    return Machine(f"{plant.name}_{leg}", joints, (*joints, *(f"{j}_actuator" for j in joints)), terms, outputs, units, si)
+    return Machine(f"{plant.name}_{leg}", joints, (*joints, *(f"{j}_actuator" for j in joints)), terms, outputs, units, si, stepped=True)
 

@@ -81,7 +81,7 @@ def _terms(machine: Machine) -> Stage:
     stage, n = _stage(machine, "terms", "equations"), len(machine.joints)
     q, v, h = _middle(machine, stage)
     v_mid = tuple(x + (0.5 * h) * y for x, y in zip(v, stage.reads("state", "a", n), strict=True))
-    terms = machine.terms(q, v_mid, v, stage.reads("drive", "u", n))
+    terms = machine.terms(q, v_mid, v, stage.reads("drive", "u", n), *([h] if machine.stepped else []))
     force = [x - b for x, b in zip(terms.force, terms.bias, strict=True)]
     equations = Equations(force, list(terms.mass), list(terms.stiffness), list(terms.damping), [0.0] * n)
     Acting(machine.bank, stage).changed(equations, q, v)

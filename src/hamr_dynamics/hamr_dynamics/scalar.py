@@ -11,6 +11,8 @@ import numpy as np
 
 from .trace import Var
 
+LITTLE = 1e-30  # beside a divisor that may be zero
+
 
 def sqrt(x):
     """Square root."""

@@ -34,7 +34,7 @@ def full_leg(q, v, drive, p) -> Leg:
         push = p["drive_force"] * volt - p["drive_spring"] * tip.value
         tip_force.append(push)
         torque = [torque[i] + push * tip.d[i] for i in (0, 1)]
-        stop = stop_force(tip.value, tip.rate(v), -p["stop"], p["stop"], p["stop_stiffness"], p["stop_damping"])
+        stop = stop_force(tip.value, tip.rate(v), -p["stop"], p["stop"], p["stop_stiffness"], p["stop_damping"], p.get("step"))
         stops.append(stop.active)
         net = push - p["tip_stiffness"] * tip.value - p["tip_damping"] * tip.rate(v) + stop.force
         force = [force[i] + net * tip.d[i] for i in (0, 1)]

@@ -60,7 +60,8 @@ def rigid(body: Body, foot, angles: tuple[Jet, Jet], q, v, torque, p) -> Leg:
         springs.append(p["stiffness"][i])
         dampers.append(p["damping"][i])
     for i in (0, 1):
-        stop = stop_force(q[i], v[i], p["stop_low"][i], p["stop_high"][i], p["stop_stiffness"][i], p["stop_damping"][i])
+        bounds, law = (p["stop_low"][i], p["stop_high"][i]), (p["stop_stiffness"][i], p["stop_damping"][i])
+        stop = stop_force(q[i], v[i], *bounds, *law, p.get("step"))
         force[i] = force[i] + stop.force
         columns.append((1.0 - i, float(i)))
         springs.append(stop.stiffness)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..scalar import clip, maximum, sqrt
-from .dragged import LITTLE, dragged
+from ..scalar import LITTLE, clip, maximum, sqrt
+from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")

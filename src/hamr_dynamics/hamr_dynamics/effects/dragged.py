@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import maximum
-
-LITTLE = 1e-30  # beside any way
+from ..scalar import LITTLE, maximum
 
 
 def dragged(z, way, length, limit=1.0):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..scalar import clip, maximum, positive
-from .dragged import LITTLE
+from ..scalar import maximum, positive
+from ..stops import touching
 from .law import Effect, Form, Joint, Parameter, Push
 
 STIFFNESS = Parameter("stiffness", "F/Q", 2.0, 0.0, 1e4, "of the stop")
@@ -13,14 +13,10 @@ DAMPING = Parameter("damping", "F*T/Q", 0.05, 1e-6, 10.0, "while it pushes", sha
 
 
 def _side(depth, rate, step, p):
-    """Mean force, stiffness and damping over a step that may touch for a part of it only.
-
-    So nothing jumps with the step in which it hits, which a fit's derivatives would stumble over.
-    """
-    half = 0.5 * step * maximum(rate, -rate)
-    share = clip(0.5 + 0.5 * depth / (half + LITTLE), 0.0, 1.0)  # of the step; depth is that of its middle
+    """Mean force, stiffness and damping over a step that may touch for a part of it only."""
+    share, depth = touching(depth, rate, step)
     stiffness, damping = share * p["stiffness"], share * positive(p["stiffness"]) * p["damping"]
-    return maximum(stiffness * (depth + half * (1.0 - share)) + damping * rate, 0.0), stiffness, damping
+    return maximum(stiffness * depth + damping * rate, 0.0), stiffness, damping
 
 
 def both(x: Joint, p, z):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from ..scalar import clip, maximum, minimum, positive, sqrt
-from .dragged import LITTLE
+from ..scalar import LITTLE, clip, maximum, minimum, positive, sqrt
 from .law import Effect, Form, Joint, Parameter, Push
 
 YIELDS = (0.25, 0.5, 1.0, 2.0)  # of sliders, in widths
