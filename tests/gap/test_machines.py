@@ -13,7 +13,7 @@ from hamr_description.errors import BagError, ConfigError, HamrError
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.columns import UNITS, record_of
-from hamr_gap.model import Model
+from hamr_gap.model import EDGE, Model
 from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.pieces import moving
 from hamr_gap.plants import load
@@ -170,6 +170,25 @@ def test_stretches_of_a_machine_that_forgets_start_anew():
     run = model.run_rows(model.neutral[None])[0]
     assert np.array_equal(run[:2000], run[2000:])
     assert np.array_equal(run[:2000], _model(SPRING, one).run_rows(model.neutral[None])[0])
+
+
+@pytest.mark.parametrize("delay", [-0.0035, 0.0, 0.0042])
+@pytest.mark.parametrize("mean", [1, 3])
+def test_stretches_read_late_or_averaged_are_those_of_runs_of_their_own(delay, mean):
+    """Also where a reading of several samples would lie across the break; readings about it serve nothing."""
+    parts = [Record(noise(n, n), noise(n, n + 1), 1e-3, ("mass",)) for n in (2000, 1500)]
+    both = joined(parts)
+    model = Model(SPRING, both, 2, mean, scales_of(SPRING, both), delay=delay)
+    run = model.run_rows(model.neutral[None])[0]
+    own = [_model(SPRING, part, delay=delay).run_rows(model.neutral[None])[0] for part in parts]
+    begin = -2000 % mean  # samples of the second that lie in no reading
+    wanted = [x[: len(x) // mean * mean].reshape(-1, mean, 1).mean(1) for x in (own[0], own[1][begin:])]
+    served = np.isfinite(model.target[:, 0])
+    wanted.insert(1, np.zeros((int(begin > 0), 1)))
+    assert np.allclose(run[served], np.concatenate(wanted)[: len(run)][served], rtol=0, atol=1e-12)
+    assert served.sum() > len(served) - 2 * EDGE - 6
+    at = -(-2000 // mean)
+    assert not served[at - EDGE : at + EDGE].any()
 
 
 def test_a_start_that_nobody_measured_is_no_loss_where_it_is_forgotten():

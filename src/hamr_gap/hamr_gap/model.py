@@ -18,6 +18,7 @@ from .record import Record
 from .sensors import beyond, late
 
 LATEST = 0.1  # of a record: a fit that makes its clocks later than that is lost anyway
+EDGE = 16  # readings on either side of a break that serve nothing: clocks that are late by less read across it
 BAND = 1000.0  # readings a second that are kept: what HAMR's legs do is slower
 
 
@@ -31,7 +32,7 @@ class Model:
         delay: T by which readings are late, in whole steps, and `LATEST` at most: what is read is the machine's state so much before.
         target: (n, channels) averaged readings, NaN where none is, or where a late one shows what was before the record.
         own: indices of the record's channels among the machine's.
-        pieces: parts that start anew, None for one free run from rest.
+        pieces: parts that start anew, None for free runs from rest.
     """
 
     machine: Machine
@@ -64,11 +65,18 @@ class Model:
                 served[start + 1 : stop - 1] = True
             self.target = np.where(served[:, None], self.target, np.nan)
         else:
-            self.target[: self._unseen] = np.nan
+            for start, _ in self._stretches:
+                inner = EDGE if start else 0
+                self.target[max(start - inner, 0) : start + max(inner, self._unseen)] = np.nan
+
+    @property
+    def _stretches(self) -> list[tuple[int, int]]:
+        """First reading and the one after the last of each stretch."""
+        return [(-(-start // self.mean), stop // self.mean) for start, stop in self.record.stretches]
 
     @property
     def _unseen(self) -> int:
-        """Readings at the beginning that show what was before the record."""
+        """Readings at the beginning of a stretch that show what was before the record."""
         return max(0, -(-self._late // (self.mean * self.substeps)))
 
     @property
@@ -101,16 +109,26 @@ class Model:
         return run[:, :, self.own]
 
     def _free(self, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
-        """As `run_rows`, from rest, all channels; straight on back to readings that show what was before."""
-        begun = self._unseen * self.mean * self.substeps - self._late
-        first, start = np.zeros(len(rows), int), np.zeros((len(rows), len(self.machine.state_rows)))
+        """As `run_rows`, all channels, each stretch from rest; straight on back to readings that show what was before."""
+        whole = np.zeros((len(rows), samples, len(self.machine.channels)))
+        for (begin, _), (start, stop) in zip(self.record.stretches, self._stretches, strict=True):
+            if (count := min(stop, samples) - start) > self._unseen:
+                read = (start + self._unseen) * self.mean * self.substeps
+                y = self._from_rest(rows, begin * self.substeps, read, count - self._unseen, step)
+                whole[:, start : start + count] = np.concatenate([beyond(y, self._unseen), y], axis=1) if self._unseen else y
+        return whole
+
+    def _from_rest(self, rows: np.ndarray, begin: int, read: int, readings: int, step: float) -> np.ndarray:
+        """(K, readings, all channels) of a machine that is at rest at step `begin`, from the step on that is read at step `read`."""
+        start = np.zeros((len(rows), len(self.machine.state_rows)))
+        start[:, self.machine.state_rows.index("time")] = begin * step
+        first, begun = np.full(len(rows), begin), read - self._late - begin
         if begun:
             start = machine_kernel.final_states(self.machine, self.drives, rows, step=step, steps=begun, first=first, start=start)
-        y = machine_kernel.simulate(
+        return machine_kernel.simulate(
             self.machine, self.drives, rows, step=step, substeps=self.substeps, mean=self.mean,
-            first=first + begun, start=start, samples=samples - self._unseen,
+            first=first + begun, start=start, samples=readings,
         )  # fmt: skip
-        return np.concatenate([beyond(y, self._unseen), y], axis=1) if self._unseen else y
 
     def _piecewise(self, pieces: Pieces, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
         """As `run_rows`, all channels, every piece in a lane of its own; zero where there is none."""

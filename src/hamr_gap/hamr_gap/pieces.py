@@ -52,7 +52,7 @@ class Pieces:
 
 
 def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) -> Pieces | None:
-    """The parts in which a machine runs through a record, or None for one free run from rest.
+    """The parts in which a machine runs through a record, or None for free runs from rest: one, or one of each stretch.
 
     Args:
         mean: samples averaged into one reading. length: T of a piece if the machine is not to choose.
@@ -60,7 +60,7 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     slow, swing, second = _memory(machine)
     forgotten = not length and slow <= FORGETS * record.span and record.driven.any()
     if forgotten:
-        if len(record.stretches) == 1 and (record.rest or slow <= FORGETS**2 * record.span):
+        if record.rest or (len(record.stretches) == 1 and slow <= FORGETS**2 * record.span):
             return None
         length = record.span
     elif not length:
