@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from oscillator import oscillator
 
 from hamr_bags.cdr import NS
 from hamr_bags.frames import trajectory_layout
@@ -17,20 +17,12 @@ from hamr_bags.writer import BagWriter
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic, drive_sign
 from hamr_dynamics.effects.effects_file import PlacedEffect
-from hamr_dynamics.effects.library import library
-from hamr_dynamics.machine import linear_machine
 from hamr_gap import emit
 from hamr_gap.answer import answer, merged, place_of
 from hamr_gap.drives_bag import write_drives
-from hamr_gap.excite import signals
-from hamr_gap.experiment import propose
-from hamr_gap.hypothesis import refine, residual, starts
 from hamr_gap.measured import FIELDS, read
-from hamr_gap.parameters import Candidate
 from hamr_gap.prepare import prepare
 from hamr_gap.progress import side_by_side
-from hamr_gap.record import Record
-from hamr_gap.screen import screen
 from hamr_gap.table import fit_table
 from hamr_gap.words import sentences
 
@@ -200,60 +192,9 @@ def test_machines_are_analysed_beside_each_other(capfd, monkeypatch):
     assert {process for _, process in side_by_side({"a": partial(job, 1), "b": partial(job, 2)}).values()} == {os.getpid()}
 
 
-def oscillator(extra, seconds: float = 12.0, noise: float = 2e-4):
-    """A machine of 12 Hz and a record of it with a force of its own, by small steps of another method (velocity Verlet with damping)."""
-    inertia, stiffness, damping = 1.0, (2 * np.pi * 12.0) ** 2, 8.0
-    random = np.random.default_rng(3)
-    n, fine = int(seconds / STEP), 10
-    spectrum = random.standard_normal((n // 2 + 1, 2)) @ (1.0, 1j) * (np.fft.rfftfreq(n, STEP) < 30.0)
-    drive = np.fft.irfft(spectrum, n)
-    drive *= np.minimum(np.arange(n) / 500.0, 1.0) * 4000.0 / drive.std()
-    q = v = 0.0
-    h, angles = STEP / fine, np.empty(n)
-    for k in range(n):
-        angles[k] = q
-        for _ in range(fine):
-            v += h * (drive[k] - stiffness * q - damping * v + extra(q, v)) / inertia
-            q += h * v
-    machine = linear_machine("test_oscillator", inertia=inertia, stiffness=stiffness, damping=damping)
-    readings = angles[:, None] + noise * angles.std() * random.standard_normal((n, 1))
-    return machine, Record(drive[:, None], readings, STEP, machine.channels, held=True)
-
-
 def test_a_law_without_a_name_is_found_as_a_table():
     machine, record = oscillator(lambda q, v: -1500.0 * np.sin(3.0 * q) * np.exp(-((v / 40.0) ** 2)), noise=0.01)
     prepared = prepare(machine, record)
     found = fit_table(prepared)
     assert found.effects[0].effect == "force_table"
     assert found.left - 1.0 < 0.4 * (prepared.base.left - 1.0)
-
-
-def test_signals_of_an_experiment_stay_within_the_drive_and_start_gently():
-    machine = linear_machine("test_signals", inertia=1.0, stiffness=100.0)
-    for name, x in signals(machine, 0.01, 3000).items():
-        assert x.shape == (3000, 1), name
-        assert np.abs(x).max() <= 1.0 + 1e-12, name
-        assert np.abs(x[:3]).max() < 0.05, name
-        assert x.std() > 0.05, name
-
-
-def test_an_experiment_is_proposed_that_tells_rivals_apart():
-    """Friction against drag: one weakens with amplitude, the other grows, so a signal of many amplitudes decides."""
-    machine, record = oscillator(lambda q, v: -300.0 * np.tanh(v / 0.5))
-    prepared = prepare(machine, record)
-    rivals = [Candidate(name, library()[name].forms[0].name, (0,)) for name in ("coulomb_friction", "quadratic_damping")]
-    amplitude = float(np.sqrt(np.nanmean(residual(prepared.weighed, prepared.base.fit) ** 2)))
-    seen = screen(prepared.weighed, prepared.base.fit, rivals, amplitude=amplitude)
-    fits = [refine(prepared.weighed, prepared.judged, s)
-            for c in rivals for s in starts(prepared.weighed, prepared.base.fit, seen, [((c,), seen.best(c)[0])])]  # fmt: skip
-    proposal = propose(prepared, *fits)
-    assert proposal.signal
-    assert proposal.d_prime[proposal.signal] == max(proposal.d_prime.values()) > 5.0
-    assert np.abs(proposal.drives).max() <= np.abs(record.drives).max() * (1 + 1e-12)
-    asked = replace(record, drives=proposal.drives, readings=np.zeros((len(proposal.drives), 1)), rest=True)
-    model = replace(prepared.weighed.model, record=asked)
-    for h in fits:  # no further than what was seen: there may be an end stop
-        assert np.abs(model.runs(h.fit.free, h.fit.x)).max() <= 1.01 * np.nanmax(np.abs(record.readings))
-    same = propose(prepared, fits[0], fits[0])
-    assert same.signal == ""
-    assert "no drive signal" in same.as_dict(("a", "a"))["sentence"]

@@ -1,7 +1,8 @@
-"""What would decide between two names: the drive signal under which the second, refitted, explains the first least.
+"""What would decide between two names: the drive signal under which each, refitted, explains the other least.
 
-Both fitted rivals are simulated under every signal of `excite`. What a refit of the second to the first would still do is projected
-out linearly; what is left over the noise is d'. Laws of one name differ by `weigh.FORM_ERROR` of their signature, which counts as noise.
+Both fitted rivals are simulated under every signal of `excite`. What a refit of one to the other would still do is projected out
+linearly. What is left is put beside what the record has shown already, and weighed as the verdict on both runs will weigh it: laws of
+one name differ, so a run must show more than its noise would ask for.
 """
 
 from __future__ import annotations
@@ -11,18 +12,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .excite import signals
+from .fit import Fit
 from .hypothesis import Hypothesis
 from .linear import jacobian
 from .model import Model
 from .prepare import Prepared
 from .sensors import Sensors
-from .weigh import FORM_ERROR
+from .weigh import COVERAGE, SHARPNESS, least_told
 
 TRIED_S = 4.0  # of each signal
-ENOUGH = 5.0  # d' that decides
-LONGEST_S = 120.0
+DECISIVE = 2.0 * np.log(COVERAGE / (1.0 - COVERAGE))  # log odds that the run must add, whichever name is right and however likely now
+LENGTHS_S = np.geomspace(4.0, 120.0, 16)  # a record needs 4 s to be divided
 SMALLER = 8  # times, at most
-SHORTEST_S = 4.0  # a record needs as much to be divided
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a signal shows of an effect: mean squares of readings, in units of their noise.
+
+    Attributes:
+        signature: beyond what a re-tune can do. apart: beyond what the rival can do.
+    """
+
+    signature: float
+    apart: float
 
 
 @dataclass(frozen=True)
@@ -30,12 +43,14 @@ class Proposal:
     """An experiment.
 
     Attributes:
-        signal: name; empty if none decides. seconds: for a d' of `ENOUGH`. d_prime: name -> d' in `TRIED_S`.
+        signal: name; empty if none decides. seconds: that decide. odds: name -> log odds that the longest run adds at least.
+        d_prime: name -> distance of the rivals after a refit in `TRIED_S`, in units of the noise.
         drives: (n, joints) U, deviations about neutral, at the record's step.
     """
 
     signal: str
     seconds: float
+    odds: dict[str, float]
     d_prime: dict[str, float]
     drives: np.ndarray
 
@@ -47,28 +62,38 @@ class Proposal:
             else f"no drive signal within the limits decides {between} with these sensors; "
                  "another sensor, a load, a known added mass or closed loop may."
         )  # fmt: skip
-        return {"rivals": list(rivals), "signal": self.signal, "seconds": self.seconds, "d_prime": self.d_prime, "sentence": sentence}
+        return {
+            "rivals": list(rivals), "signal": self.signal, "seconds": self.seconds, "odds": self.odds, "d_prime": self.d_prime,
+            "sentence": sentence,
+        }  # fmt: skip
 
 
-def propose(prepared: Prepared, first: Hypothesis, second: Hypothesis, *, seed: int = 0) -> Proposal:
-    """The best experiment between two fitted hypotheses, within the largest drives and the widest motion that were measured.
+def propose(prepared: Prepared, first: Hypothesis, second: Hypothesis, *, floor: float, seed: int = 0) -> Proposal:
+    """The shortest experiment between two fitted hypotheses, within the largest drives and the widest motion that were measured.
 
     Args:
-        seed: of noise in the signals.
+        floor: mean square that noise leaves, as of `Search`. seed: of noise in the signals.
     """
     model = prepared.weighed.model
     machine, record = model.machine, model.record
     step = record.step / record.drives_per_reading
     limit = np.abs(record.drives).max(axis=0)
-    found = {}
+    ways = ((first, second), (second, first))
+    known = max(min(first.left, second.left) - floor, 0.0)
+    odds, d_prime = {}, {}
     for name, shape in signals(machine, step, _samples(prepared, TRIED_S), seed).items():
-        found[name] = _d_prime(_driven(model, _within(model, limit * shape, first, second)), prepared, first, second)
-    best = max(found, key=found.get)
-    seconds = max(SHORTEST_S, TRIED_S * (ENOUGH / max(found[best], 1e-9)) ** 2)
-    if seconds > LONGEST_S:
-        return Proposal("", 0.0, found, np.empty((0, len(machine.joints))))
+        driven = _driven(model, _within(model, limit * shape, first, second))
+        shown = [_shown(driven, prepared, *pair) for pair in ways]
+        odds[name] = np.min([_odds(prepared, floor, known, s) for s in shown], axis=0)
+        d_prime[name] = float(np.sqrt(min(s.apart for s in shown) * driven.target.size))
+    enough = {name: int(np.argmax(x >= DECISIVE)) for name, x in odds.items() if x.max() >= DECISIVE}
+    said = {name: float(x[-1]) for name, x in odds.items()}
+    if not enough:
+        return Proposal("", 0.0, said, d_prime, np.empty((0, len(machine.joints))))
+    best = min(enough, key=lambda name: (enough[name], -odds[name][enough[name]]))
+    seconds = float(LENGTHS_S[enough[best]])
     drives = _within(model, limit * signals(machine, step, _samples(prepared, seconds), seed)[best], first, second)
-    return Proposal(best, seconds, found, drives)
+    return Proposal(best, seconds, said, d_prime, drives)
 
 
 def _samples(prepared: Prepared, seconds: float) -> int:
@@ -97,19 +122,37 @@ def _within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray
     return drives
 
 
-def _d_prime(model: Model, prepared: Prepared, first: Hypothesis, second: Hypothesis) -> float:
-    base = prepared.base.fit
-    a, plain = (model.runs(h.free, h.x)[0] for h in (first.fit, base))
-    free, x = second.fit.free, second.fit.x
-    b = model.runs(free, x)[0]
-    sigma = np.sqrt(prepared.weighed.sigma**2 + FORM_ERROR * np.mean((a - plain) ** 2, axis=0))
-    weighed = replace(prepared.weighed, model=model, chosen=np.ones_like(b, bool), sigma=sigma, initial=None)
-    columns = jacobian(weighed, free, x, b, Sensors.none(b.shape[1]))
+def _shown(model: Model, prepared: Prepared, right: Hypothesis, wrong: Hypothesis) -> Shown:
+    """What a model's drives show if one of two hypotheses is right; a rival that diverges under them shows nothing."""
+    truth = model.runs(right.fit.free, right.fit.x)[0]
+    return Shown(*(_beyond(model, prepared, truth, other.fit) for other in (prepared.base, wrong)))
+
+
+def _beyond(model: Model, prepared: Prepared, truth: np.ndarray, found: Fit) -> float:
+    """Mean square, in units of the noise, of what a refit of a model does not follow of readings (n, channels)."""
+    run = model.runs(found.free, found.x)[0]
+    weighed = replace(prepared.weighed, model=model, chosen=np.ones_like(truth, bool), initial=None)
+    columns = jacobian(weighed, found.free, found.x, run, Sensors.none(truth.shape[1]))
     ridge = np.zeros(columns.shape[1])
-    ridge[: len(free)] = [1.0 / f.sd for f in free]
-    apart = np.r_[weighed.vector(a - b), np.zeros(len(ridge))]
+    ridge[: len(found.free)] = [1.0 / f.sd for f in found.free]
+    apart = np.r_[weighed.vector(truth - run), np.zeros(len(ridge))]
     matrix = np.vstack([columns, np.diag(ridge)])
     if not (np.isfinite(matrix).all() and np.isfinite(apart).all()):
-        return 0.0  # a rival that diverges under this signal says nothing
+        return 0.0
     left = apart - matrix @ np.linalg.lstsq(matrix, apart, rcond=None)[0]
-    return float(np.linalg.norm(left))
+    return float(np.mean(left[: truth.size] ** 2))
+
+
+def _odds(prepared: Prepared, floor: float, known: float, shown: Shown) -> np.ndarray:
+    """(lengths,) log odds for the right one of two names that the record and runs of `LENGTHS_S` make together.
+
+    Args:
+        known: mean square above the floor that either leaves of the record; the right one's law leaves the same share of new runs.
+    """
+    model = prepared.weighed.model
+    share = LENGTHS_S / (model.record.span * model.machine.to_si["T"] + LENGTHS_S)
+    before = max(prepared.base.left - floor, 1e-12)
+    law = known / before * shown.signature
+    gap, left, rival = ((1.0 - share) * a + share * b for a, b in ((before, shown.signature), (known, law), (known, law + shown.apart)))
+    least = least_told(gap, floor, prepared.judged.sum() / (1.0 - share))
+    return SHARPNESS * np.log((rival / gap + least) / (left / gap + least))

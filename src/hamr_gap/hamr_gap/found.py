@@ -107,7 +107,7 @@ def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | N
     rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None][:2]
     if len(rivals) < 2 or not model.record.driven.any():
         return None
-    proposal = propose(analysis.prepared, *rivals, seed=seed)
+    proposal = propose(analysis.prepared, *rivals, floor=analysis.search.floor, seed=seed)
     first, second = (in_words(h.effects, joints) for h in rivals)
     return proposal.as_dict((first, second)), proposal.drives
 

@@ -48,7 +48,7 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
         count: judged readings. nothing: mean square, in units of the noise, that would be no gap if it were all: nothing unknown is in it.
     """
     gap = max(state.base.left - state.floor, 1e-12)
-    least = FORM_ERROR + (FLOOR_ERROR * state.floor + 2.0 * DECIDES / count) / gap
+    least = least_told(gap, state.floor, count)
     found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
     for names, h in best.items():
@@ -71,6 +71,15 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     p = np.exp(score - score.max())
     p /= p.sum()
     return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
+
+
+def least_told(gap: float, floor: float, count: float) -> float:
+    """Share of a gap below which nothing is told apart.
+
+    Args:
+        gap: mean square above the floor, in units of the noise. floor: what noise leaves. count: judged readings.
+    """
+    return FORM_ERROR + (FLOOR_ERROR * floor + 2.0 * DECIDES / count) / gap
 
 
 def _special(few: frozenset, names: frozenset) -> bool:

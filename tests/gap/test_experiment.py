@@ -1,0 +1,96 @@
+"""What would decide between two names, and whether a second run decides as was said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oscillator import MACHINE, measured, oscillator
+
+from hamr_dynamics.effects.library import library
+from hamr_dynamics.machine import linear_machine
+from hamr_gap.analyse import analyse
+from hamr_gap.excite import signals
+from hamr_gap.experiment import DECISIVE, Proposal, propose
+from hamr_gap.hypothesis import Hypothesis, refine, residual, starts
+from hamr_gap.parameters import Candidate
+from hamr_gap.prepare import Prepared, prepare
+from hamr_gap.record import Record, joined
+from hamr_gap.screen import screen
+from hamr_gap.weigh import SHARPNESS, least_told
+
+
+def friction(q: float, v: float) -> float:
+    return -300.0 * np.tanh(v / 0.5)
+
+
+def rivals(record: Record) -> tuple[Prepared, list[Hypothesis]]:
+    """Dry friction and drag, fitted to a record."""
+    prepared = prepare(MACHINE, record)
+    both = [Candidate(name, library()[name].forms[0].name, (0,)) for name in ("coulomb_friction", "quadratic_damping")]
+    amplitude = float(np.sqrt(np.nanmean(residual(prepared.weighed, prepared.base.fit) ** 2)))
+    seen = screen(prepared.weighed, prepared.base.fit, both, amplitude=amplitude)
+    found = [starts(prepared.weighed, prepared.base.fit, seen, [((c,), seen.best(c)[0])]) for c in both]
+    return prepared, [refine(prepared.weighed, prepared.judged, start) for (start,) in found]
+
+
+@pytest.fixture(scope="module")
+def proposed() -> tuple[Record, Prepared, list[Hypothesis], Proposal]:
+    """Friction against drag: one weakens with amplitude, the other grows, so a signal of many amplitudes decides."""
+    record = oscillator(friction)[1]
+    prepared, fits = rivals(record)
+    return record, prepared, fits, propose(prepared, *fits, floor=1.0)
+
+
+def test_signals_of_an_experiment_stay_within_the_drive_and_start_gently():
+    machine = linear_machine("test_signals", inertia=1.0, stiffness=100.0)
+    for name, x in signals(machine, 0.01, 3000).items():
+        assert x.shape == (3000, 1), name
+        assert np.abs(x).max() <= 1.0 + 1e-12, name
+        assert np.abs(x[:3]).max() < 0.05, name
+        assert x.std() > 0.05, name
+
+
+def test_an_experiment_is_proposed_that_tells_rivals_apart(proposed):
+    record, prepared, fits, proposal = proposed
+    assert proposal.signal
+    assert proposal.odds[proposal.signal] > DECISIVE
+    assert proposal.d_prime[proposal.signal] > 5.0
+    assert np.abs(proposal.drives).max() <= np.abs(record.drives).max() * (1 + 1e-12)
+    asked = replace(record, drives=proposal.drives, readings=np.zeros((len(proposal.drives), 1)), rest=True)
+    model = replace(prepared.weighed.model, record=asked)
+    for h in fits:  # no further than what was seen: there may be an end stop
+        assert np.abs(model.runs(h.fit.free, h.fit.x)).max() <= 1.01 * np.nanmax(np.abs(record.readings))
+
+
+def test_nothing_tells_a_name_from_itself(proposed):
+    _, prepared, fits, _ = proposed
+    same = propose(prepared, fits[0], fits[0], floor=1.0)
+    assert same.signal == ""
+    assert "no drive signal" in same.as_dict(("a", "a"))["sentence"]
+    assert max(same.odds.values()) < 1e-6
+
+
+def test_both_runs_together_decide_at_least_as_was_said(proposed):
+    record, _, _, proposal = proposed
+    again = measured(proposal.drives[:, 0], friction, np.random.default_rng(8), 2e-4)
+    prepared, (right, wrong) = rivals(joined([record, again]))
+    gap = prepared.base.left - 1.0
+    least = least_told(gap, 1.0, prepared.judged.sum())
+    left, rival = (max(h.left - 1.0, 0.0) / gap for h in (right, wrong))
+    assert SHARPNESS * np.log((rival + least) / (left + least)) > DECISIVE
+
+
+def test_two_runs_from_rest_with_late_biased_sensors_are_explained_as_well_as_one():
+    """Each begins anew: nothing is left over where one ends and the other begins, and the clocks' shift is found."""
+    drives = 0.8 * oscillator(friction)[1].drives[:, 0]
+    read = [measured(drives[:n], friction, np.random.default_rng(n), 0.01, late=4) for n in (9001, 6000)]
+    records = [replace(record, readings=record.readings + 0.5) for record in read]  # a fifth of the motion
+    analysis = analyse(MACHINE, joined(records))
+    assert analysis.verdict.verdict == "named"
+    assert [e.effect for e in analysis.verdict.set[0].effects] == ["coulomb_friction"]
+    best, model = analysis.search.best, analysis.prepared.weighed.model
+    assert best.left < 1.1
+    half = 0.05e-3  # s: what is measured is the coordinate half a small step after the drive
+    assert model.delay + best.fit.sensors.shift == pytest.approx(0.4e-3 - half, abs=0.02e-3)
