@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,6 +13,8 @@ from hamr_dynamics.effects.law import powers
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.analyse import analyse
+from hamr_gap.hypothesis import refine, starts
+from hamr_gap.moves import FOLLOWED, SHAPES, in_other_shapes, look
 from hamr_gap.parameters import Candidate
 from hamr_gap.prepare import prepare
 from hamr_gap.record import Record
@@ -56,6 +59,35 @@ def test_each_wave_is_simulated_once_and_both_periods_are_seen(period):
     shapes = dict(shape for c in best.chosen for shape in seen.columns[c].shapes)
     spans = [shapes[WAVES.row(p, 0)] * 30.0 for p in WAVES.law.shapes]
     assert spans == pytest.approx([17.0, period], rel=0.25)
+
+
+@pytest.mark.parametrize(("period", "windows", "width"), [(2.3, 8, 40), (7.1, 5, 60)])
+def test_waves_that_only_pass_through_what_is_fitted_are_told_by_trying_others(period, windows, width):
+    """From a few short windows: the first fits explain those and nothing between them."""
+    prepared = prepare(MASS, wandering(period))
+    chosen = np.zeros(prepared.weighed.chosen.shape, bool)
+    for k in range(windows):
+        start = int((k + 0.5) / windows * len(chosen))
+        chosen[start : start + width] = True
+    weighed, base = replace(prepared.weighed, chosen=chosen), prepared.base.fit
+    seen = look(weighed, base, [WAVES])
+    tried = [refine(weighed, prepared.judged, s) for s in starts(weighed, base, seen, [((WAVES,), s) for s in seen.best(WAVES, SHAPES)])]
+    first = min(tried, key=lambda h: h.fit.cost)
+    others = in_other_shapes(weighed, prepared.judged, base, seen, tried)
+    best = min(others, key=lambda h: h.fit.cost)
+    assert first.left > 50.0
+    assert best.left < 4.0
+    assert len(others) <= FOLLOWED
+    assert best.fit.x[[f.row.endswith("fast_period.0") for f in best.fit.free]] * 30.0 == pytest.approx(period, rel=0.05)
+
+
+def test_a_law_of_few_shapes_is_not_tried_again():
+    prepared = prepare(MASS, wandering(5.1))
+    stop = Candidate("end_stop", "both", (0,))
+    seen = look(prepared.weighed, prepared.base.fit, [stop])
+    (start,) = starts(prepared.weighed, prepared.base.fit, seen, [((stop,), seen.best(stop)[0])])
+    tried = [refine(prepared.weighed, prepared.judged, start)]
+    assert in_other_shapes(prepared.weighed, prepared.judged, prepared.base.fit, seen, tried) == []
 
 
 def test_a_gain_that_wanders_is_named():

@@ -18,6 +18,8 @@ from .weighed import Weighed
 
 LIKED = 24  # names simulated alone: those that leave little then stand high in the linear picture about a re-tune
 SHAPES = 2  # sets of shapes of each candidate that are simulated
+FOLLOWED = 12  # of the one that explains most, if it has more
+ALIKE = 1.5  # times the least cost, up to which fewer places explain as much
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
 ALONE, PROMISING = 20.0, 3.0  # times the cost of the best start, from which one effect, or a larger set, is fitted at all
 MORE = 6  # names fitted beside others
@@ -105,6 +107,20 @@ def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypoth
     effects = (*h.effects[:-1], replace(own, joints=tuple(sorted((*own.joints, *added.joints)))))
     free, x = (*h.fit.free, *(f for f, _ in more)), np.array([*h.fit.x, *(x for _, x in more)])
     return refine(weighed, judged, Start(effects, free, x, np.inf))
+
+
+def in_other_shapes(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, tried: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The single effect that comes nearest to the fitted readings, from more of its shapes, if there are many.
+
+    Waves of other periods pass through the few stretches that are fitted nearly as well: fits rest at any of them.
+    """
+    near = min(h.fit.cost for h in tried) * ALIKE
+    c = min((h for h in tried if h.fit.cost < near), key=lambda h: (len(h.effects[0].places), h.fit.cost)).effects[0]
+    if len(seen.options(c)) <= FOLLOWED:
+        return []
+    distinct = {round(s.cost, 6): s for s in seen.best(c, 2 * FOLLOWED)}  # two waves may change places
+    wanted = [((c,), s) for s in list(distinct.values())[:FOLLOWED]]
+    return refined(weighed, judged, starts(weighed, about, seen, wanted))
 
 
 def promising(found: Sequence[Start], times: float = PROMISING) -> list[Start]:

@@ -11,7 +11,7 @@ from .blocks import THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, Start, refined, residual
-from .moves import ALONE, at_both, beside, first_of_each, in_forms, look, pairs_of, promising, singles
+from .moves import ALONE, at_both, beside, first_of_each, in_forms, in_other_shapes, look, pairs_of, promising, singles
 from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
@@ -97,6 +97,8 @@ def search(
     alone, wanted = _alone(weighed, base, seen, everything)
     state.tried += refined(weighed, judged, [*wanted, *known])
     state.tried += at_both(weighed, judged, state.tried)
+    if state.best.left - noise_floor(weighed, state.best) > state.enough:
+        state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
     late = state.best.fit.sensors.shift
     if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
         weighed = weighed.on_time(weighed.model.delay + late)  # what looked like late clocks without the effect
