@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from .blocks import better
 from .candidates import missing
 from .colour import correlation_time
 from .detect import detectable
-from .hypothesis import Hypothesis, judge, left_of, residual
+from .hypothesis import Hypothesis, judge, left_of, residual, settled
 from .prepare import Prepared
 from .record import Record
 from .roles import mask
@@ -73,6 +73,9 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
         best = next((w.hypothesis for w in weights if w.hypothesis is not None), state.best)
         verdict = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
     report("intervals")
+    wanted = dict.fromkeys((best, *(w.hypothesis for w in chosen if w.hypothesis)))
+    stated = {h: settled(prepared.weighed, prepared.judged, h) for h in wanted}
+    best, chosen = stated[best], [replace(w, hypothesis=stated.get(w.hypothesis)) for w in chosen]
     return Analysis(prepared, state, weights, best, _state(verdict, prepared, state, chosen, best), evidence)
 
 

@@ -16,7 +16,7 @@ from .weighed import Weighed
 FIRST, SHORTER = np.array([4.0, 2.0, 1.0, 0.7]), np.array([0.4, 0.2, 0.1, 0.05, 0.02, 0.007])
 DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
 KEPT = 0.95  # of what derivatives promise: a step that gains so much is taken, and no other one is tried
-DELTAS = (1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
+DELTAS = (1e-4, 1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
 FORESEEN = 0.01  # of the cost: if derivatives promise more than this and nothing is gained, larger ones are tried
 LEAST = 0.05  # of half a sum of squares in units of the noise: no step is worth less
 

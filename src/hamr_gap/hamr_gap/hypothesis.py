@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -135,6 +135,14 @@ def _at(
 def refine(weighed: Weighed, judged: np.ndarray, start: Start) -> Hypothesis:
     """Fits a set of effects for good."""
     return judge(weighed, judged, start.effects, fit(weighed, start.free, start.x))
+
+
+def settled(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> Hypothesis:
+    """A hypothesis fitted on in fine steps until none is worth anything beside the noise, as an interval about it needs; itself where
+    parameters are pinned."""
+    if any(f.low == f.high for f in h.fit.free):
+        return h
+    return judge(weighed, judged, h.effects, fit(replace(weighed, coarse=None), h.fit.free, h.fit.x, tolerance=0.0))
 
 
 def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start]) -> list[Hypothesis]:

@@ -13,7 +13,7 @@ from .weighed import Weighed
 
 def jacobian(
     weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray, sensors: Sensors,
-    runs: Callable[[np.ndarray], np.ndarray] | None = None, *, delta: float = 1e-3,
+    runs: Callable[[np.ndarray], np.ndarray] | None = None, *, delta: float = 1e-4,
 ) -> np.ndarray:  # fmt: skip
     """(m, P + sensors) derivatives of the weighed readings that count: free numbers first, then the sensors' part.
 

@@ -20,7 +20,7 @@ from hidden_gap.case import JOINTS, LEG, Case
 from hidden_gap.noise import floors
 
 from ..candidates import candidates
-from ..hypothesis import Hypothesis, refine, residual, starts
+from ..hypothesis import Hypothesis, refine, residual, settled, starts
 from ..legs import machine_of, record_of
 from ..prepare import Prepared, prepare
 from ..search import Search, search
@@ -49,7 +49,8 @@ def ideal(case: Case) -> dict:
     for h in sorted([prepared.base, *state.tried, *own], key=lambda h: h.left):
         best.setdefault(h.names, h)
     rivals = sorted(([said(h), _apart(prepared, h, noise)] for h in best.values()), key=lambda rival: rival[1])
-    last = sorted(own, key=lambda h: -h.left)  # of several fits of one form the best counts
+    best_of = {h.effects: h for h in sorted(own, key=lambda h: -h.fit.cost)}  # of several fits of one form the best counts
+    last = [settled(prepared.weighed, prepared.judged, h) for h in best_of.values()]
     forms = {" + ".join(c.form for c in h.effects): [asdict(e) for e in effects_of(prepared, h)] for h in last}
     return {"rivals": rivals[:SHOWN], "forms": forms}
 
