@@ -104,8 +104,9 @@ def leg(plant: Plant, stage: Stage, h: float) -> Callable:
     rest = {name: stage.reads("param", f"rest_{name}", 2) for name in ("stiffness", "inertia")}
 
     def function(q, v, drive, parameters) -> Leg:
-        at = acting.leg(plant.leg(q, v, drive, parameters))
-        idle = acting.leg(plant.leg(q, v, (0.0, 0.0), parameters))
+        now = parameters | {"step": h}  # as in a machine, whose stops are touched for a part of a step
+        at = acting.leg(plant.leg(q, v, drive, now))
+        idle = acting.leg(plant.leg(q, v, (0.0, 0.0), now))
         equations = Equations(list(at.force), [0.0] * 3, list(at.stiffness), list(at.damping), [0.0] * 2)
         acting.push(equations, q, v, vec.sub(at.torque, idle.torque), rest["stiffness"], rest["inertia"], time, h)
         slip = tuple(equations.slip)
