@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from hamr_description.errors import BagError, ConfigError, HamrError
 from hamr_dynamics import machine_kernel
-from hamr_dynamics.machine import linear_machine
+from hamr_dynamics.machine import Machine, Terms, linear_machine
+from hamr_dynamics.stops import stop_force
 from hamr_gap.columns import UNITS, record_of
 from hamr_gap.model import EDGE, Model
-from hamr_gap.parameters import Candidate, effect_parameters
+from hamr_gap.parameters import Candidate, changes, effect_parameters
 from hamr_gap.pieces import moving
 from hamr_gap.plants import load
 from hamr_gap.prepare import prepare
@@ -154,6 +155,31 @@ def test_pieces_from_true_states_are_one_long_run(effect):
         found, begin = model.run_rows(rows[[lane]])[0], pieces.first[0]
         close = 1e-9 if form in ("sign", "cubic") else 1.5e-2
         assert np.abs(found[begin:] - whole[lane, begin:]).max() < close * np.ptp(whole[lane])
+
+
+def hitting(*, stepped: bool) -> Machine:
+    """A mass on a spring between stops."""
+
+    def terms(q, v_mid, v, u, step=None):
+        stop = stop_force(q[0], v[0], -0.004, 0.004, 2e4, 5.0, step)
+        force = u[0] - 900.0 * q[0] - 20.0 * v[0] + stop.force
+        return Terms((1.0,), (0.0,), (force,), (900.0 + stop.stiffness,), (20.0 + stop.damping,), (u[0],))
+
+    si = dict.fromkeys("FQTU", 1.0)
+    return Machine(f"test_hitting_{stepped}", ("mass",), ("mass",), terms, lambda q, slip: (q[0],), UNIT, si, stepped=stepped)
+
+
+@pytest.mark.parametrize("stepped", [True, False])
+def test_what_is_hit_does_not_jump_for_a_machine_that_knows_the_step(stepped):
+    """A gain that grows evenly moves the run evenly; whole steps of touching jump with the step in which the mass hits."""
+    machine = hitting(stepped=stepped)
+    model = _model(machine, Record(noise(3000, 3), noise(3000, 4), 1e-3, ("mass",), held=True))
+    (gain,) = (f for f in changes(machine, model.scales, (True,)) if f.row == "change.gain.0")
+    runs = model.runs((gain,), np.linspace(0.0, 3e-3, 65)[:, None])
+    assert np.mean(np.abs(runs[0]) > 0.004) > 0.02
+    moved = np.std(np.diff(runs, axis=0), axis=(1, 2))
+    jump = moved.max() / np.median(moved)
+    assert jump < 1.2 if stepped else jump > 3.0
 
 
 def test_a_machine_that_forgets_runs_freely_and_as_ever():
