@@ -49,7 +49,8 @@ def solve(out: Path, *cases: Path) -> None:
     experiment = None
     if analysis.verdict.verdict == "ambiguous" and (decided := decides(analysis)):
         experiment, drives = decided
-        np.savez(out.with_suffix(".npz"), drives=drives)
+        if len(drives):
+            np.savez(out.with_suffix(".npz"), drives=drives)
     result = {
         "verdict": analysis.verdict.verdict, "weights": weights, "set": [asdict(answer) for answer in analysis.verdict.set],
         "experiment": experiment, "seconds": seconds,
