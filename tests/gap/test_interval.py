@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binomtest
@@ -61,6 +63,17 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         hits.extend(((low <= x) & (x <= high))[told])
     interval = binomtest(sum(hits), len(hits)).proportion_ci(0.99, "exact")
     assert interval.low < 0.95 < interval.high
+
+
+def test_what_is_stated_is_fitted_to_the_end_and_what_is_pinned_stays():
+    weighed, free, _ = driven(0.01, 5)
+    begun = fit(weighed, free, np.array([f.center for f in free]), steps=2)
+    h = judge(weighed, weighed.chosen, (CUBIC,), begun)
+    best = fit(weighed, free, begun.x, tolerance=0.0).cost
+    assert begun.cost > best + 1.0
+    assert settled(weighed, weighed.chosen, h).fit.cost == pytest.approx(best, abs=0.1)
+    pinned = judge(weighed, weighed.chosen, (CUBIC,), replace(begun, free=(replace(free[0], low=0.0, high=0.0), *free[1:])))
+    assert settled(weighed, weighed.chosen, pinned) is pinned
 
 
 def test_an_interval_on_a_bound_is_still_one():

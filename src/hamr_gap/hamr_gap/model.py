@@ -115,7 +115,10 @@ class Model:
             if (count := min(stop, samples) - start) > self._unseen:
                 read = (start + self._unseen) * self.mean * self.substeps
                 y = self._from_rest(rows, begin * self.substeps, read, count - self._unseen, step)
-                whole[:, start : start + count] = np.concatenate([beyond(y, self._unseen), y], axis=1) if self._unseen else y
+                y = np.concatenate([beyond(y, self._unseen), y], axis=1) if self._unseen else y
+                if count == samples:
+                    return y
+                whole[:, start : start + count] = y
         return whole
 
     def _from_rest(self, rows: np.ndarray, begin: int, read: int, readings: int, step: float) -> np.ndarray:

@@ -115,7 +115,7 @@ def in_other_shapes(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Scre
     Waves of other periods pass through the few stretches that are fitted nearly as well: fits rest at any of them.
     """
     near = min(h.fit.cost for h in tried) * ALIKE
-    c = min((h for h in tried if h.fit.cost < near), key=lambda h: (len(h.effects[0].places), h.fit.cost)).effects[0]
+    c = min((h for h in tried if h.fit.cost <= near), key=lambda h: (len(h.effects[0].places), h.fit.cost)).effects[0]
     if len(seen.options(c)) <= FOLLOWED:
         return []
     distinct = {round(s.cost, 6): s for s in seen.best(c, 2 * FOLLOWED)}  # two waves may change places
