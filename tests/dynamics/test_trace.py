@@ -52,8 +52,8 @@ def test_any_program_of_whole_numbers_is_traced_exactly(program, inputs, constan
 
 def run_source(source: str, name: str, *arrays: np.ndarray) -> np.ndarray:
     """Runs emitted source as plain Python; the last array."""
-    scope = {"U": int, "sqrt": math.sqrt, "floor": math.floor, "real": float, "ONE": 1.0, "ZERO": 0.0}
-    exec(source, scope)
+    choices = {"larger": lambda a, b: a if a > b else b, "smaller": lambda a, b: a if a < b else b, "gate": lambda a: float(a > 0.0)}
+    exec(source, scope := {"U": int, "sqrt": math.sqrt, "floor": math.floor, "real": float} | choices)
     scope[name](*arrays)
     return arrays[-1]
 

@@ -6,12 +6,6 @@ from __future__ import annotations
 from llvmlite import ir
 from numba.extending import intrinsic
 
-from .emit import OPERATIONS
-
-#: Operation of a trace -> its source text with these functions.
-BRANCHLESS = OPERATIONS | {"max": "larger({}, {})", "min": "smaller({}, {})", "positive": "gate({})"}
-IMPORT = "\nfrom hamr_dynamics.branchless import gate, larger, smaller\n"
-
 
 @intrinsic
 def larger(typingctx, a, b):

@@ -13,13 +13,12 @@ import numba
 import numpy as np
 
 from hamr_dynamics.alignment import align_stack, aligned
+from hamr_dynamics.branchless import gate, larger, smaller
 
 U = np.uint64
 real = np.{dtype}
 sqrt = math.sqrt
 floor = np.floor
-ONE = np.{dtype}(1.0)
-ZERO = np.{dtype}(0.0)
 options = {{"nogil": True, "error_model": "numpy", "fastmath": {{"contract", "nsz", "arcp"}}}}
 jit = numba.njit(cache=True, **options)
 part = numba.njit(inline="always", **options)

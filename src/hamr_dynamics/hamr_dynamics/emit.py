@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from .trace import Graph, Var
 
-#: Operation -> its source text.
+#: Operation -> its source text; choices are those of `branchless`.
 OPERATIONS = {
     "add": "{} + {}",
     "sub": "{} - {}",
@@ -20,10 +20,10 @@ OPERATIONS = {
     "div": "{} / {}",
     "neg": "-{}",
     "sqrt": "sqrt({})",
-    "max": "({0} if {0} > {1} else {1})",
-    "min": "({0} if {0} < {1} else {1})",
+    "max": "larger({}, {})",
+    "min": "smaller({}, {})",
     "floor": "floor({})",
-    "positive": "(ONE if {0} > ZERO else ZERO)",
+    "positive": "gate({})",
 }
 
 
@@ -77,17 +77,14 @@ def loop_source(stage: Stage, lanes: int) -> str:
     return f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):\n" + loop_body(stage, lanes)
 
 
-def loop_body(
-    stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None, indent: int = 4, operations: Mapping[str, str] = OPERATIONS
-) -> str:
-    """Python source of the stage over all lanes. Needs U, sqrt, real, ONE and ZERO in scope.
+def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None, indent: int = 4) -> str:
+    """Python source of the stage over all lanes. Needs U, real, sqrt, floor, larger, smaller and gate in scope.
 
     Args:
         work: array -> where its first row begins in one flat array `work` that holds them all; without it, arrays go by their own
             names. In one array the compiler knows what overlaps; with several it tests at run time every pair of rows, which can
             cost more than the stage. In `work`, outputs may lie on inputs.
         indent: spaces before each line.
-        operations: operation -> its source text.
     """
     graph, constants = stage.graph, {}
 
@@ -116,7 +113,7 @@ def loop_body(
     for i in graph.needed(value for key, value in stage.values.items() if key not in stays):
         op, args = graph.nodes[i]
         once = op == "input" and args[0].split(".")[0] in stage.uniform
-        text = sources[args[0]] if op == "input" else operations[op].format(*map(name, args))
+        text = sources[args[0]] if op == "input" else OPERATIONS[op].format(*map(name, args))
         (before if once else body).append(f"{name(i)} = {text}")
         for place in stores.get(i, ()):  # at once, so that the value need not be kept; but what is still to be read is not overwritten
             (last if place in read else body).append(f"{place} = {name(i)}")

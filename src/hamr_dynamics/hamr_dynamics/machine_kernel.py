@@ -11,7 +11,6 @@ from types import ModuleType
 
 import numpy as np
 
-from .branchless import BRANCHLESS, IMPORT
 from .driver import HEADER
 from .emit import loop_body
 from .kernels import load_source
@@ -60,9 +59,9 @@ def source(machine: Machine) -> str:
         if part.sizes:
             lines.append(f"            if used[b, {law}]:\n")
             law += 1
-        lines.append(loop_body(part.stage, LANES, work=work, indent=16 if part.sizes else 12, operations=BRANCHLESS))
+        lines.append(loop_body(part.stage, LANES, work=work, indent=16 if part.sizes else 12))
     head = HEADER.format(plant=f"{len(machine.joints)} joints", environment="machine", dtype="float64")
-    return head + IMPORT + RUN.format(
+    return head + RUN.format(
         size=end, lanes=LANES, joints=len(machine.joints), channels=len(machine.channels), step="".join(lines).rstrip(),
         **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip

@@ -89,7 +89,7 @@ NETWORK = """
 @jit
 def network(state, drive, weights, scratch, torque):
     x, y, z = scratch[:{x}], scratch[{x} : {x} + {h}], scratch[{x} + {h} : {x} + 2 * {h}]
-    x[:] = ZERO
+    x[:] = real(0.0)
     for tile in range({tiles}):
         for r in range({rows}):  # angles and rates, then volts
             for i in range({tile}):

@@ -10,7 +10,6 @@ from types import ModuleType
 
 import numpy as np
 
-from hamr_dynamics.branchless import BRANCHLESS, IMPORT
 from hamr_dynamics.driver import HEADER
 from hamr_dynamics.emit import loop_body
 from hamr_dynamics.kernels import load_source
@@ -27,7 +26,7 @@ def run(drives, motion, param, used, substeps, mean, gained, seen):
     lanes = U({lanes})
     scale = real(1.0 / mean)
     for b in range(param.shape[0]):
-        work[:] = ZERO
+        work[:] = real(0.0)
         for i in range(param.shape[1]):
             work[U({param_at}) + U(i)] = param[b, i]
         for s in range(gained.shape[1] * mean):
@@ -90,10 +89,10 @@ def _module(machine: Machine) -> ModuleType:
         if part.sizes:
             lines.append(f"                if used[b, {law}]:\n")
             law += 1
-        lines.append(loop_body(part.stage, LANES, work=work, indent=20 if part.sizes else 16, operations=BRANCHLESS))
+        lines.append(loop_body(part.stage, LANES, work=work, indent=20 if part.sizes else 16))
     joints = len(machine.joints)
     text = RUN.format(
         size=end, lanes=LANES, joints=joints, channels=len(machine.channels), step="".join(lines).rstrip(),
         **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
-    return load_source(f"forced_{joints}", HEADER.format(plant=f"{joints} joints", environment="forced", dtype="float64") + IMPORT + text)
+    return load_source(f"forced_{joints}", HEADER.format(plant=f"{joints} joints", environment="forced", dtype="float64") + text)
