@@ -18,7 +18,7 @@ from hamr_gap.parameters import Candidate
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.record import Record, joined
 from hamr_gap.screen import screen
-from hamr_gap.weigh import SHARPNESS, least_told
+from hamr_gap.weigh import SHARPNESS, floor_of, least_told
 
 
 def friction(q: float, v: float) -> float:
@@ -76,9 +76,10 @@ def test_both_runs_together_decide_at_least_as_was_said(proposed):
     record, _, _, proposal = proposed
     again = measured(proposal.drives[:, 0], friction, np.random.default_rng(8), 2e-4)
     prepared, (right, wrong) = rivals(joined([record, again]))
-    gap = prepared.base.left - 1.0
-    least = least_told(gap, 1.0, prepared.judged.sum())
-    left, rival = (max(h.left - 1.0, 0.0) / gap for h in (right, wrong))
+    floor = floor_of(1.0, (right, wrong))
+    gap = prepared.base.left - floor
+    least = least_told(gap, prepared.judged.sum())
+    left, rival = (max(h.left - floor, 0.0) / gap for h in (right, wrong))
     assert SHARPNESS * np.log((rival + least) / (left + least)) > DECISIVE
 
 

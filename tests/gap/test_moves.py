@@ -27,7 +27,7 @@ from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.readings import fresh
 from hamr_gap.record import Record
 from hamr_gap.sensors import Sensors
-from hamr_gap.simpler import narrowed, special_cases, without
+from hamr_gap.simpler import as_narrow, narrowed, special_cases, without
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
 FRICTION = Candidate("coulomb_friction", "presliding", (0,))
@@ -67,6 +67,16 @@ def test_what_is_superfluous_falls_away_and_the_rest_fits_as_well(rubbing):
     assert best[frozenset({FRICTION.name})] < 1.05 * wide.left
     assert rubbing.base.left > 3.0 * wide.left
     assert without(rubbing.weighed, rubbing.judged, wide, wide.effects[0]).left > 2.0 * wide.left
+
+
+def test_a_form_found_at_both_joints_is_tried_at_the_one_where_another_does_as_well(rubbing):
+    """Or the simplest form of a name would be known at both only, and never be its answer at one."""
+    wide, narrow = (fitted(rubbing, replace(FRICTION, form=form, joints=at)) for form, at in (("presliding", (0, 1)), ("lugre", (0,))))
+    (found,) = as_narrow(rubbing.weighed, rubbing.judged, [wide, narrow])
+    assert found.effects == (FRICTION,)
+    assert found.left < 1.05 * narrow.left
+    assert as_narrow(rubbing.weighed, rubbing.judged, [wide]) == []  # nothing says that one joint is enough
+    assert as_narrow(rubbing.weighed, rubbing.judged, [wide, narrow, found]) == []
 
 
 def test_a_name_that_holds_a_simpler_one_gives_way_to_it(rubbing):

@@ -72,7 +72,7 @@ def propose(prepared: Prepared, first: Hypothesis, second: Hypothesis, *, floor:
     """The shortest experiment between two fitted hypotheses, within the largest drives and the widest motion that were measured.
 
     Args:
-        floor: mean square that noise leaves, as of `Search`. seed: of noise in the signals.
+        floor: mean square that noise leaves, as `weigh.floor_of` takes it. seed: of noise in the signals.
     """
     model = prepared.weighed.model
     machine, record = model.machine, model.record
@@ -154,5 +154,5 @@ def _odds(prepared: Prepared, floor: float, known: float, shown: Shown) -> np.nd
     before = max(prepared.base.left - floor, 1e-12)
     law = known / before * shown.signature
     gap, left, rival = ((1.0 - share) * a + share * b for a, b in ((before, shown.signature), (known, law), (known, law + shown.apart)))
-    least = least_told(gap, floor, prepared.judged.sum() / (1.0 - share))
+    least = least_told(gap, prepared.judged.sum() / (1.0 - share))
     return SHARPNESS * np.log((rival / gap + least) / (left / gap + least))

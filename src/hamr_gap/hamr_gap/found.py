@@ -20,6 +20,7 @@ from .record import Record
 from .sensors import Sensors
 from .stated import changes_of, effects_of, gap_of
 from .table import fit_table
+from .weigh import floor_of
 
 #: The same machine in four states: as given, re-tuned, with the effect, and re-tuned likewise but with the effect taken out again.
 STATES = ("raw", "retuned", "after", "removed")
@@ -107,7 +108,7 @@ def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | N
     rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None][:2]
     if len(rivals) < 2 or not model.record.driven.any():
         return None
-    proposal = propose(analysis.prepared, *rivals, floor=analysis.search.floor, seed=seed)
+    proposal = propose(analysis.prepared, *rivals, floor=floor_of(analysis.search.floor, analysis.search.tried), seed=seed)
     first, second = (in_words(h.effects, joints) for h in rivals)
     return proposal.as_dict((first, second)), proposal.drives
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .blocks import THROUGHOUT, better
+from .blocks import DECIDES, THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, Start, refined, residual
@@ -16,7 +16,7 @@ from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
 from .sensor_steps import staircases, with_stairs
-from .simpler import HARMLESS, narrowed, special_cases, without
+from .simpler import HARMLESS, as_narrow, narrowed, special_cases, without
 from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
@@ -41,12 +41,13 @@ class Search:
     Attributes:
         weighed: the model that was tried, perhaps better timed than the one the search began with.
         base: the re-tuned model without effects, perhaps better than that one too. seen: the linear picture about it.
-        tried: all hypotheses with effects. floor: mean square that noise alone leaves.
+        count: judged readings. tried: all hypotheses with effects. floor: mean square that noise alone leaves.
     """
 
     weighed: Weighed
     base: Hypothesis
     seen: Screen
+    count: int
     tried: list[Hypothesis] = field(default_factory=list)
     floor: float = 1.0
 
@@ -69,14 +70,18 @@ class Search:
         forms: dict[frozenset, list[Hypothesis]] = {}
         for h in sorted(self.tried, key=lambda h: h.left * EARNED**h.parameters):
             forms.setdefault(h.names, []).append(h)
-        return {names: _simplest(found) for names, found in forms.items()}
+        return {names: _simplest(found, self.count) for names, found in forms.items()}
 
 
-def _simplest(forms: Sequence[Hypothesis]) -> Hypothesis:
-    """Of forms of one name, the best first, the one with fewest parameters that is no worse throughout: chance may be all there is."""
+def _simplest(forms: Sequence[Hypothesis], count: int) -> Hypothesis:
+    """Of forms of one name, the best first, the one with fewest parameters that is no worse throughout, or by no more than noise is."""
     best = forms[0]
-    alike = [h for h in forms if h.left < HARMLESS * best.left and better(h.blocks, best.blocks) < THROUGHOUT]
-    return min(alike, key=lambda h: h.parameters, default=best)
+
+    def alike(h: Hypothesis) -> bool:
+        little = 0.5 * count * (h.left - best.left) < DECIDES
+        return h.left < HARMLESS * best.left and (little or better(h.blocks, best.blocks) < THROUGHOUT)
+
+    return min(filter(alike, forms), key=lambda h: h.parameters, default=best)
 
 
 def search(
@@ -92,7 +97,7 @@ def search(
     everything = candidates(weighed.model.machine, weighed.model.record)
     report("screen")
     seen = look(weighed, base.fit, everything)
-    state = Search(weighed, base, seen)
+    state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
     alone, wanted = _alone(weighed, base, seen, everything)
     state.tried += refined(weighed, judged, [*wanted, *known])
@@ -121,6 +126,7 @@ def search(
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += special_cases(weighed, judged, state.best)
     state.tried += narrowed(weighed, judged, state.best)  # beside a simpler name others may have nothing left to do
+    state.tried += as_narrow(weighed, judged, state.tried)
     with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import correlate1d
 
-LITTLE = 0.01  # of a reading's step, that first order serves as well
+LITTLE = 0.001  # of a reading's step, that first order serves as well
 TAPS = np.arange(-3, 4)  # readings that a late one is interpolated from
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,11 +27,28 @@ def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypoth
     """A hypothesis fitted again without one of its effects, or with it at one joint instead of two; and on, while that does no harm."""
     wanted = []
     for i, c in enumerate(h.effects):
-        fewer = [(replace(c, joints=(joint,)),) for joint in c.places if len(c.places) > 1] + [()] * (len(h.effects) > 1)
+        fewer = [*_at_one(c), *[()] * (len(h.effects) > 1)]
         wanted += [_less(h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for some in fewer]
     found = refined(weighed, judged, wanted)
     best = min(found, key=lambda n: n.left, default=None)
     return [*found, *narrowed(weighed, judged, best)] if best and best.left < HARMLESS * h.left else found
+
+
+def as_narrow(weighed: Weighed, judged: np.ndarray, tried: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """What does as well as the best, but at two joints, fitted again at the one where another does: a simpler form may be among them."""
+    known: dict[tuple[Candidate, ...], Hypothesis] = {}
+    for h in sorted(tried, key=lambda h: h.left):
+        known.setdefault(h.effects, h)
+    least = min((h.left for h in tried), default=0.0)
+    near = [h for h in known.values() if h.left < HARMLESS * least]
+    places = {tuple(c.places for c in h.effects) for h in near}
+    fewer = [(h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for h in near for i, c in enumerate(h.effects) for some in _at_one(c)]
+    return refined(weighed, judged, [_less(h, to) for h, to in fewer if to not in known and tuple(c.places for c in to) in places])
+
+
+def _at_one(c: Candidate) -> list[tuple[Candidate]]:
+    """An effect of two joints at each of them."""
+    return [(replace(c, joints=(joint,)),) for joint in c.places if len(c.places) > 1]
 
 
 def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:

@@ -7,20 +7,20 @@ were chosen on development cases of `hamr gap bench` and are reported on others.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from hamr_dynamics.effects.library import library
 
-from .blocks import THROUGHOUT, better
+from .blocks import DECIDES, THROUGHOUT, better
 from .hypothesis import Hypothesis
 from .search import Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left
 FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
-FLOOR_ERROR = 0.03  # of what noise leaves, which is an estimate
+FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
 SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
@@ -29,7 +29,6 @@ ANOTHER_SIZE = 0.1  # log odds against each size or shape
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
 UNKNOWN = 0.1  # of the gap: where names leave more, none of the library is right; known laws left up to 0.06, most others 0.14 and more
 COVERAGE = 0.9  # of a set
-DECIDES = 8.0  # half squared distance in units of noise below which data tell nothing apart (d' of 4)
 
 
 @dataclass(frozen=True)
@@ -47,14 +46,15 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     Args:
         count: judged readings. nothing: mean square, in units of the noise, that would be no gap if it were all: nothing unknown is in it.
     """
-    gap = max(state.base.left - state.floor, 1e-12)
-    least = least_told(gap, state.floor, count)
     found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
+    floor = floor_of(state.floor, best.values())
+    gap = max(state.base.left - floor, 1e-12)
+    least = least_told(gap, count)
     for names, h in best.items():
         if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names or _special(few, names)):
             continue
-        left = max(h.left - state.floor, 0.0) / gap
+        left = max(h.left - floor, 0.0) / gap
         if left < 1.0:
             places = sum(len(c.places) - 1 for c in h.effects if library()[c.effect].smooth)  # the others are seen at each joint by itself
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
@@ -73,13 +73,21 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
 
 
-def least_told(gap: float, floor: float, count: float) -> float:
+def floor_of(noise: float, tried: Iterable[Hypothesis]) -> float:
+    """Mean square that noise is taken to leave, of its estimate: what the best leaves, where the estimate's error allows it.
+
+    On readings that no fit has seen nothing leaves less than the noise, and what two names differ by is known far better than the noise.
+    """
+    return min([(1.0 + FLOOR_ERROR) * noise, *(h.left for h in tried)])
+
+
+def least_told(gap: float, count: float) -> float:
     """Share of a gap below which nothing is told apart.
 
     Args:
-        gap: mean square above the floor, in units of the noise. floor: what noise leaves. count: judged readings.
+        gap: mean square above the floor, in units of the noise. count: judged readings.
     """
-    return FORM_ERROR + (FLOOR_ERROR * floor + 2.0 * DECIDES / count) / gap
+    return FORM_ERROR + 2.0 * DECIDES / count / gap
 
 
 def _special(few: frozenset, names: frozenset) -> bool:

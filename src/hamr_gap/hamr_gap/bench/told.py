@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hamr_dynamics.effects.library import library
 
-from ..weigh import DECIDES
+from ..blocks import DECIDES
 from .other import WAYS
 from .score import Scored, kept_in, names, rate, scored
 
