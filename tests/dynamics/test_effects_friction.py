@@ -138,7 +138,18 @@ def test_quadratic_damping_decays_as_a_hyperbola():
     assert np.diff(1.0 / tops) == pytest.approx(np.full(8, 8 * 0.01 / 3), rel=0.02)
 
 
-@pytest.mark.parametrize(("form", "given"), [("polynomial", {"curvature": -3.0}), ("local", {"extra": -3.0, "width": 5.0})])
+def test_a_film_between_plates_damps_as_the_inverse_cube_of_their_distance():
+    """Stefan's law, its value at rest apart: half the gap is eight times the damping, and a closed gap is still a film."""
+    law = find("configuration_dependent_damping", "squeeze_film")
+    p = parameters(law, film=0.01, approach=-0.5)
+    for q, damping in ((0.0, 0.0), (-1.0, 0.07), (-1.5, 0.63), (2.0, 0.01 / 8 - 0.01), (-5.0, 9.99)):
+        push, _ = law.law(Joint(q, 2.0, 0.0, 1.0, 1.0, 0.0, H, 0.4), p, ())
+        assert push.damping == pytest.approx(damping)
+        assert push.force == -push.damping * 2.0
+
+
+@pytest.mark.parametrize(("form", "given"), [("polynomial", {"curvature": -3.0}), ("local", {"extra": -3.0, "width": 5.0}),
+                                             ("squeeze_film", {"film": 3.0, "approach": -0.5})])  # fmt: skip
 def test_damping_that_depends_on_the_angle_leaves_none_rather_than_drive(form, given):
     law = find("configuration_dependent_damping", form)
     push, _ = law.law(Joint(1.0, 2.0, 0.0, 1.0, 1.0, 0.0, H, 0.4), parameters(law, **given), ())

@@ -32,6 +32,16 @@ def local(x: Joint, p, z):
     return _passive(x, p["extra"] * bell(x.q, p)[0]), z
 
 
+APPROACH = Parameter("approach", "1/Q", 0.2, -1.5, 1.5, "share of the gap closed per angle", shape=True, screen=(-0.3, -0.15, 0.15, 0.3))
+NARROWEST = 0.1  # of the gap at rest: a film does not vanish
+
+
+def squeeze_film(x: Joint, p, z):
+    """-film (1/h^3 - 1) v with the gap h = 1 - approach q, of its own at rest and no less than a tenth."""
+    narrow = 1.0 / maximum(1.0 - p["approach"] * x.q, NARROWEST)
+    return _passive(x, p["film"] * (narrow * narrow * narrow - 1.0)), z
+
+
 EFFECT = Effect(
     name="configuration_dependent_damping",
     part="transmission",
@@ -41,7 +51,9 @@ EFFECT = Effect(
         Parameter("curvature", "F*T/Q^3", 0.02, -2.0, 2.0, "change per squared angle"),
     )), Form("local", "force", local, (
         Parameter("extra", "F*T/Q", 0.03, -2.0, 5.0, "damping added in the middle"), CENTRE, WIDTH,
+    )), Form("squeeze_film", "force", squeeze_film, (
+        Parameter("film", "F*T/Q", 0.02, -2.0, 2.0, "damping of the film at rest, which the joint's own has in it"), APPROACH,
     ))),
     experiment="small motions about several angles",
-    source="varying levers in front of constant dampers: HAMR-full's transmission",
+    source="varying levers in front of constant dampers: HAMR-full's transmission; films between plates: Stefan (1874), Reynolds (1886)",
 )  # fmt: skip
