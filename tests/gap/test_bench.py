@@ -13,7 +13,7 @@ import hidden_gap
 from hamr_gap.analyse import analyse
 from hamr_gap.bench import listing
 from hamr_gap.bench.cases import LEG, from_plain, recorded, samples_of
-from hamr_gap.bench.score import names, rate, scored
+from hamr_gap.bench.score import names, scored
 from hamr_gap.bench.told import right_set
 from hamr_gap.legs import machine_of, record_of
 from hidden_gap.case import JOINTS, Case
@@ -58,11 +58,6 @@ def test_the_right_set_has_what_noise_free_data_do_not_tell_apart_and_nothing_th
     ]  # fmt: skip
     assert right_set(truth, rivals) == {truth, names(one("piezo_hysteresis"))}
     assert right_set(truth, [[one("viscoelasticity"), 9.0]]) == {truth}
-
-
-def test_shares_carry_exact_intervals():
-    assert rate([True] * 10) == "100 % (69..100, n = 10)"  # Clopper-Pearson: 1 - 0.025^(1/10)
-    assert rate([]) == "-"
 
 
 def test_every_case_has_a_line(tmp_path):

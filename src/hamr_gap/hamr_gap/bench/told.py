@@ -10,7 +10,8 @@ from hamr_dynamics.effects.library import library
 
 from ..blocks import DECIDES
 from .other import WAYS
-from .score import Scored, kept_in, names, rate, scored
+from .rates import rate
+from .score import Scored, kept_in, names, scored, share
 
 TOLD_APART = (2.0 * DECIDES) ** 0.5  # d' from which data tell two laws apart
 
@@ -21,18 +22,20 @@ def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, s
     known = [c for c in cases if c.truth and c.name in ideals]
     rivals = {c.name: right_set(c.truth, ideals[c.name]["rivals"]) for c in known}
     blurred = [c for c in known if len(rivals[c.name]) > 1]
-    made, (noise, half) = _pairs(out, cases, verdicts, "second"), (_pairs(out, cases, verdicts, way) for way in WAYS)
+    again = [b for a, b in _pairs(out, cases, verdicts, "second") if a.covered]
+    noise, half = (_pairs(out, cases, verdicts, way) for way in WAYS)
     asked = [c for c in cases if c.verdict == "ambiguous" and c.covered]
     silent = [c for c in asked if c.result["experiment"] and not c.result["experiment"]["signal"]]
+    holds = [(hit, c.law) for c in known for hit in held(c, ideals[c.name]["forms"])]
     found = [
-        ("95 % intervals that hold the truth", rate(hit for c in known for hit in held(c, ideals[c.name]["forms"]))),
-        ("cases that these data cannot tell (computed)", rate(len(rivals[c.name]) > 1 for c in known)),
-        ("of these: called ambiguous, the answer in the set", rate(c.verdict == "ambiguous" and c.covered for c in blurred)),
-        ("of these: confident and wrong", rate(c.verdict == "named" and not c.exact for c in blurred)),
-        ("ambiguous: no experiment decides, it was said", rate(c in silent for c in asked)),
-        ("ambiguous: settled by the run that was asked for", rate(b.verdict == "named" and b.exact for a, b in made if a.covered)),
-        ("same answer with other noise", rate(same(a, b) for a, b in noise)),
-        ("same answer from half of the data", rate(same(a, b) for a, b in half)),
+        ("95 % intervals that hold the truth", rate(*zip(*holds, strict=True)) if holds else "-"),
+        ("cases that these data cannot tell (computed)", share(known, lambda c: len(rivals[c.name]) > 1)),
+        ("of these: called ambiguous, the answer in the set", share(blurred, lambda c: c.verdict == "ambiguous" and c.covered)),
+        ("of these: confident and wrong", share(blurred, lambda c: c.verdict == "named" and not c.exact)),
+        ("ambiguous: no experiment decides, it was said", share(asked, lambda c: c in silent)),
+        ("ambiguous: settled by the run that was asked for", share(again, lambda c: c.verdict == "named" and c.exact)),
+        ("same answer with other noise", _agree(noise)),
+        ("same answer from half of the data", _agree(half)),
     ]
     return [(name, text) for name, text in found if text != "-"]
 
@@ -41,6 +44,10 @@ def _pairs(out: Path, cases: Sequence[Scored], verdicts: str, way: str) -> list[
     """Cases with what was said of them from another run."""
     folder = kept_in(out, verdicts, way)
     return [(c, scored(out, c.name, folder.name)) for c in cases if (folder / f"{c.name}.json").exists()]
+
+
+def _agree(pairs: Sequence[tuple[Scored, Scored]]) -> str:
+    return rate([same(a, b) for a, b in pairs], [a.law for a, _ in pairs])
 
 
 def same(a: Scored, b: Scored) -> bool:

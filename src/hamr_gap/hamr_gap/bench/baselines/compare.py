@@ -16,7 +16,8 @@ from scipy.stats import binomtest
 
 from hamr_description.errors import ConfigError, HamrError
 
-from ..score import Scored, names, rate, scored
+from ..rates import rate
+from ..score import Scored, names, scored
 from .result import at
 
 ALARMS = ("named", "ambiguous", "unknown")
