@@ -104,6 +104,7 @@ def _rows(cases: list[Scored]) -> list[tuple[str, str]]:
         ("singles: right name, any place", share(of["single"], lambda c: c.first is not None and families(c.first) == families(c.truth))),
         ("pairs: exact", share(of["pair"], lambda c: c.exact)),
         ("triples: exact", share(of["triple"], lambda c: c.exact)),
+        ("twins: exact", share(of["twins"], lambda c: c.exact)),
         ("nulls: false alarms", share(of["null"], lambda c: c.verdict in ("named", "ambiguous", "unknown"))),
         ("nulls with changes: parameters_only", share(changed, lambda c: c.verdict == "parameters_only")),
         ("outside the library: called unknown", share(of["outside"], lambda c: c.verdict == "unknown")),
