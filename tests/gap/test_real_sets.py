@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 
 import pytest
@@ -28,19 +29,21 @@ def tables(tmp_path_factory):
 
 
 def test_the_axis_lacks_dry_friction(tables, tmp_path):
-    result = example.run(f"{example.__file__}:cart", [tables["DATA_EMPS"]], tmp_path)
+    held_out = {tables["DATA_EMPS_PULSES"]: ("other record", 1.0, (5.59, BY_HAND["axis"]))}
+    (shown,) = example.study("cart", tables["DATA_EMPS"], held_out, tmp_path)
+    result = json.loads((tmp_path / "verdict.json").read_text())
     assert result["verdict"] in ("named", "ambiguous")
     assert [e["effect"] for e in result["set"][0]["effects"]] == ["coulomb_friction"]
     assert all("coulomb_friction" in [e["effect"] for e in some["effects"]] for some in result["set"])
     assert "sign" in result["set"][0]["forms"]
-    shown = example.left("cart", tables["DATA_EMPS_PULSES"], tables["DATA_EMPS"], tmp_path, 1.0)
     assert example.rms(shown["after"]) < SLACK * BY_HAND["axis"] < 0.5 * example.rms(shown["retuned"])
 
 
 def test_the_oscillator_has_a_cubic_spring(tables, tmp_path):
-    result = example.run(f"{example.__file__}:oscillator", [tables["multisine"]], tmp_path)
+    held_out = {tables[name]: (name, 0.0, (8.21, BY_HAND[name])) for name in ("another", "arrow")}
+    found = example.study("oscillator", tables["multisine"], held_out, tmp_path)
+    result = json.loads((tmp_path / "verdict.json").read_text())
     assert result["verdict"] == "named"
     assert [(e["effect"], e["form"]) for e in result["set"][0]["effects"]] == [("cubic_stiffness", "cubic")]
-    for name in ("another", "arrow"):
-        shown = example.left("oscillator", tables[name], tables["multisine"], tmp_path)
+    for name, shown in zip(("another", "arrow"), found, strict=True):
         assert example.rms(shown["after"]) < SLACK * BY_HAND[name] < 0.2 * example.rms(shown["retuned"])
