@@ -14,16 +14,16 @@ from hamr_gap.search import Search
 from hamr_gap.weigh import UNKNOWN, weigh
 
 
-def weights(**left: float) -> dict[str, float]:
+def weights(spread: float = 0.01, **left: float) -> dict[str, float]:
     """Probability of each name, at the first joint or, with _1, the second, where a gap of 100 times the noise is left to these shares.
 
-    With _01 it is at both.
+    With _01 it is at both. spread: of what each leaves over blocks.
     """
 
     def one(names: str, share: float) -> SimpleNamespace:
         places = (re.fullmatch(r"(.+?)_?([01]*)", name).groups() for name in names.split("__"))
         effects = tuple(Candidate(name, FORMS[name], tuple(map(int, joints or "0"))) for name, joints in places)
-        blocks = share * (1.0 + 0.01 * np.random.default_rng(len(names)).standard_normal(24))
+        blocks = (1.0 + 100.0 * share) * (1.0 + spread * np.random.default_rng(len(names)).standard_normal(24))
         return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=2)
 
     tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
@@ -54,6 +54,13 @@ def test_what_two_names_differ_by_is_known_better_than_the_noise():
     assert exact > 0.98
     assert weights(coulomb_friction=0.0002, drive_lag=0.0007)["coulomb_friction"] == pytest.approx(exact, abs=1e-3)
     assert weights(coulomb_friction=0.01, drive_lag=0.0105)["coulomb_friction"] < 0.6  # laws that both miss something
+
+
+def test_what_is_left_in_a_few_blocks_more_than_by_the_best_may_be_chance():
+    """Up to the error of the noise."""
+    assert weights(coulomb_friction=0.0, drive_lag=0.0003)["coulomb_friction"] > 0.95
+    assert weights(0.1, coulomb_friction=0.0, drive_lag=0.0003)["coulomb_friction"] == pytest.approx(0.5, abs=0.01)
+    assert weights(0.1, coulomb_friction=0.0, drive_lag=0.0013)["coulomb_friction"] > 0.95
 
 
 def test_where_every_name_leaves_too_much_the_law_is_unknown():

@@ -48,13 +48,14 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     """
     found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
+    nearest = min(best.values(), key=lambda h: h.left, default=None)
     floor = floor_of(state.floor, best.values())
     gap = max(state.base.left - floor, 1e-12)
     least = least_told(gap, count)
     for names, h in best.items():
         if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names or _special(few, names)):
             continue
-        left = max(h.left - floor, 0.0) / gap
+        left = max(surely_left(h, nearest, state.floor) - floor, 0.0) / gap
         if left < 1.0:
             places = sum(len(c.places) - 1 for c in h.effects if library()[c.effect].smooth)  # the others are seen at each joint by itself
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
@@ -79,6 +80,11 @@ def floor_of(noise: float, tried: Iterable[Hypothesis]) -> float:
     On readings that no fit has seen nothing leaves less than the noise, and what two names differ by is known far better than the noise.
     """
     return min([(1.0 + FLOOR_ERROR) * noise, *(h.left for h in tried)])
+
+
+def surely_left(h: Hypothesis, best: Hypothesis, noise: float) -> float:
+    """What a hypothesis leaves; less by the error of the noise, but no less than the best, where it does not leave more throughout."""
+    return h.left if better(h.blocks, best.blocks) >= THROUGHOUT else max(best.left, h.left - FLOOR_ERROR * noise)
 
 
 def least_told(gap: float, count: float) -> float:
