@@ -35,6 +35,18 @@ def test_strengths_come_back_with_intervals_that_hold_them():
     assert np.mean(held) > 0.88
 
 
+def test_nothing_is_said_beyond_the_strengths_that_were_tried():
+    """Also where strength seems to do harm, as it may by chance."""
+    sure = [("sure", x, 12.0, 3e-3, True) for x in (1.0, 5.0) * 40]
+    lost = [("lost", x, 12.0, 3e-3, x < 2.0 and k % 3 > 0) for k in range(20) for x in (1.0, 5.0)]
+    found = power([*sure, *lost])
+    assert found.said("sure", 12.0, (1.0, 5.0)) == "< 1"
+    assert found.said("lost", 12.0, (1.0, 5.0)) == "> 5"
+    drawn_well = power(drawn(400, 3))
+    x, low, high = drawn_well.needed("hard")
+    assert drawn_well.said("hard", 12.0, (0.2, 8.0)) == f"{x:.2g} ({low:.2g}..{min(high, 8.0):.2g})"
+
+
 def test_a_family_that_was_never_missed_needs_less_than_one_that_was():
     found = power([("sure", 5.0, 12.0, 3e-3, True)] * 20 + [("unsure", 5.0, 12.0, 3e-3, k % 2 == 0) for k in range(20)])
     assert found.needed("sure")[0] < 0.5 * found.needed("unsure")[0]

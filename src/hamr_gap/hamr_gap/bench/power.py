@@ -52,6 +52,20 @@ class Power:
         spread = 1.96 * float(np.sqrt(gradient @ self.covariance @ gradient))
         return float(np.exp(log)), float(np.exp(log - spread)), float(np.exp(log + spread))
 
+    def probability(self, family: str, strength: float, seconds: float = USUAL_S, noise: float = USUAL_NOISE) -> float:
+        """Of the right name, at a strength in floors."""
+        return float(expit(_row(self.families, family, strength, seconds, noise) @ self.values))
+
+    def said(self, family: str, seconds: float, tried: tuple[float, float]) -> str:
+        """What is needed, as text: no figure beyond the weakest and strongest effects that were tried."""
+        weak, strong = tried
+        if self.probability(family, weak, seconds) >= WANTED:
+            return f"< {weak:.2g}"
+        if self.probability(family, strong, seconds) < WANTED:
+            return f"> {strong:.2g}"
+        found, low, high = self.needed(family, seconds)
+        return f"{found:.2g} ({max(low, weak):.2g}..{min(high, strong):.2g})"
+
 
 def power(cases: Sequence[tuple[str, float, float, float, bool]]) -> Power:
     """The curve of (family, strength in floors, seconds, noise as a share of the stroke, whether named rightly)."""
@@ -96,11 +110,13 @@ def main(folders: tyro.conf.Positional[tuple[Path, ...]], verdicts: str = "verdi
         raise ConfigError("No solved case with a single effect is in these folders; make some with: hamr gap bench --singles 52")
     found = power(cases)
     lengths = sorted({seconds for _, _, seconds, _, _ in cases})
+    strengths = [strength for _, strength, *_ in cases]
+    tried = min(strengths), max(strengths)
     say = sys.stdout.write
     say("| effect | right | " + " | ".join(f"{s:g} s" for s in lengths) + " |\n" + "|---" * (len(lengths) + 2) + "|\n")
     for family in found.families:
         own = [right for name, *_, right in cases if name == family]
-        cells = ("{:.2g} ({:.2g}..{:.2g})".format(*found.needed(family, s)) for s in lengths)
+        cells = (found.said(family, s, tried) for s in lengths)
         say(f"| `{family}` | {sum(own)} of {len(own)} | " + " | ".join(cells) + " |\n")
     for name, x, sd in zip(("strength", "seconds", "noise"), found.values[-3:], np.sqrt(np.diag(found.covariance))[-3:], strict=True):
         say(f"\nlog odds per factor e in {name}: {x:.2f} +- {sd:.2f}")
