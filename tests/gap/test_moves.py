@@ -332,3 +332,16 @@ def test_a_held_command_is_late_by_half_of_what_it_is_held_for(substeps, hold):
     middle = (np.arange(400 * substeps) + 0.5) * STEP / substeps
     inside = slice(20 * substeps, -20 * substeps)
     np.testing.assert_allclose(record.fine(substeps)[inside, 0], np.sin(0.05 * (middle - 0.5 * hold))[inside], atol=1e-6)
+
+
+def test_a_valley_at_the_end_of_the_travel_is_seen_there(rubbing):
+    """A fit that begins in the middle of the travel may end at a wide hill."""
+    scale = rubbing.weighed.model.scales.coordinate
+    valley = {"stiffness.0": 0.2, "centre.0": 2.0 * scale, "width.0": 0.5 * scale}
+    edge = prepare(machine_of("simple", "fl"), shaken("configuration_dependent_stiffness.valley", valley))
+    c = Candidate("configuration_dependent_stiffness", "valley", (0,))
+    begun = singles(edge.weighed, edge.base.fit, look(edge.weighed, edge.base.fit, [c]), [c])
+    best = refine(edge.weighed, edge.judged, min(begun, key=lambda start: start.cost))
+    assert best.left < 1.2 < 0.1 * edge.base.left
+    centre = dict(zip((f.row for f in best.fit.free), best.fit.x, strict=True))["configuration_dependent_stiffness.valley.centre.0"]
+    assert centre * edge.weighed.model.scales.coordinate == pytest.approx(2.0 * scale, rel=0.1)

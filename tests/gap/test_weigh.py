@@ -27,8 +27,8 @@ def weights(spread: float = 0.01, **left: float) -> dict[str, float]:
         return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=2)
 
     tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
-    state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, by_names=lambda: tried)
-    found = weigh(state, 10_000)
+    state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, count=10_000, by_names=lambda: tried)
+    found = weigh(state)
     suffix = {(0,): "", (1,): "_1", (0, 1): "_01"}
     named = {"__".join(c.effect + suffix[c.joints] for c in w.hypothesis.effects) if w.hypothesis else "unknown": w for w in found}
     return {name: w.probability for name, w in named.items()}

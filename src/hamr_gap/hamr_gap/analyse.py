@@ -60,7 +60,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     """
     prepared, state = searched(machine, record, report)
     least = prepared.weighed.model.mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
-    weights = weigh(state, int(prepared.judged.sum()), least)
+    weights = weigh(state, least)
     evidence = _evidence(prepared, state)
     explained = prepared.base.left - state.best.left
     named = explained > max(least, SHARE * (prepared.base.left - state.floor)) and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED

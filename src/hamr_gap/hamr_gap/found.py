@@ -108,7 +108,8 @@ def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | N
     rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None][:2]
     if len(rivals) < 2 or not model.record.driven.any():
         return None
-    proposal = propose(analysis.prepared, *rivals, floor=floor_of(analysis.search.floor, analysis.search.tried), seed=seed)
+    floor = floor_of(analysis.search.floor, analysis.search.by_names().values())
+    proposal = propose(analysis.prepared, *rivals, floor=floor, seed=seed)
     first, second = (in_words(h.effects, joints) for h in rivals)
     return proposal.as_dict((first, second)), proposal.drives
 

@@ -42,8 +42,8 @@ def as_narrow(weighed: Weighed, judged: np.ndarray, tried: Sequence[Hypothesis])
     least = min((h.left for h in tried), default=0.0)
     near = [h for h in known.values() if h.left < HARMLESS * least]
     places = {tuple(c.places for c in h.effects) for h in near}
-    fewer = [(h, (*h.effects[:i], *some, *h.effects[i + 1 :])) for h in near for i, c in enumerate(h.effects) for some in _at_one(c)]
-    return refined(weighed, judged, [_less(h, to) for h, to in fewer if to not in known and tuple(c.places for c in to) in places])
+    fewer = {(*h.effects[:i], *some, *h.effects[i + 1 :]): h for h in near for i, c in enumerate(h.effects) for some in _at_one(c)}
+    return refined(weighed, judged, [_less(h, to) for to, h in fewer.items() if to not in known and tuple(c.places for c in to) in places])
 
 
 def _at_one(c: Candidate) -> list[tuple[Candidate]]:

@@ -40,18 +40,18 @@ class Weight:
     probability: float
 
 
-def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
+def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
     """Probabilities of all sets of names tried and of "unknown", most probable first.
 
     Args:
-        count: judged readings. nothing: mean square, in units of the noise, that would be no gap if it were all: nothing unknown is in it.
+        nothing: mean square, in units of the noise, that would be no gap if it were all: nothing unknown is in it.
     """
     found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
     nearest = min(best.values(), key=lambda h: h.left, default=None)
     floor = floor_of(state.floor, best.values())
     gap = max(state.base.left - floor, 1e-12)
-    least = least_told(gap, count)
+    least = least_told(gap, state.count)
     for names, h in best.items():
         if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names or _special(few, names)):
             continue
@@ -74,12 +74,12 @@ def weigh(state: Search, count: int, nothing: float = 0.0) -> list[Weight]:
     return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
 
 
-def floor_of(noise: float, tried: Iterable[Hypothesis]) -> float:
+def floor_of(noise: float, best: Iterable[Hypothesis]) -> float:
     """Mean square that noise is taken to leave, of its estimate: what the best leaves, where the estimate's error allows it.
 
     On readings that no fit has seen nothing leaves less than the noise, and what two names differ by is known far better than the noise.
     """
-    return min([(1.0 + FLOOR_ERROR) * noise, *(h.left for h in tried)])
+    return min([(1.0 + FLOOR_ERROR) * noise, *(h.left for h in best)])
 
 
 def surely_left(h: Hypothesis, best: Hypothesis, noise: float) -> float:

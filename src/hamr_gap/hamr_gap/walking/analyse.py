@@ -50,8 +50,8 @@ def analyse(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: 
     """
     state = search(backend, walk, report)
     report("intervals")
-    prepared, judged = state.prepared, state.prepared.parts["select"]
-    weights = weigh(state, len(judged) * judged.observed.readings)
+    prepared = state.prepared
+    weights = weigh(state)
     evidence = _evidence(state)
     if state.base.left - state.best.left > prepared.least and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED:
         chosen = credible(weights)

@@ -46,6 +46,12 @@ class Search:
         return min([self.base, *self.tried], key=lambda h: h.left)
 
     @property
+    def count(self) -> int:
+        """Judged readings."""
+        judged = self.prepared.parts["select"]
+        return len(judged) * judged.observed.readings
+
+    @property
     def floor(self) -> float:
         """Mean square that noise leaves."""
         return min(self.prepared.floor, self.best.left)
