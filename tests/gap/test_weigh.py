@@ -108,7 +108,7 @@ def test_a_name_at_both_joints_must_leave_less_throughout_than_at_one():
 @pytest.mark.parametrize(("more", "in_blocks", "chosen"), [
     (1.06, 2, "presliding"),  # luck of two blocks
     (1.06, 24, "lugre"),  # a little, but throughout
-    (1.001, 24, "presliding"),  # of 10000 readings less than their noise
+    (1.001, 24, "presliding"),  # throughout, but less than further parameters must earn
     (1.5, 2, "lugre"),  # little is what may be luck
     (1.0, 24, "presliding"),
 ])  # fmt: skip

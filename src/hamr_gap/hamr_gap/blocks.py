@@ -9,8 +9,6 @@ import numpy as np
 #: t over blocks by which each effect beyond the first must leave less, a name than its special case, a form than one with fewer
 #: parameters: what it adds may be luck in a few.
 THROUGHOUT = 2.0
-#: Half squared distance, in units of noise, below which data tell nothing apart (d' of 4).
-DECIDES = 8.0
 
 
 def better(worse: Iterable[float], best: Iterable[float]) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .blocks import DECIDES, THROUGHOUT, better
+from .blocks import THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
 from .hypothesis import Hypothesis, Start, refined, residual
@@ -70,18 +70,14 @@ class Search:
         forms: dict[frozenset, list[Hypothesis]] = {}
         for h in sorted(self.tried, key=lambda h: h.left * EARNED**h.parameters):
             forms.setdefault(h.names, []).append(h)
-        return {names: _simplest(found, self.count) for names, found in forms.items()}
+        return {names: _simplest(found) for names, found in forms.items()}
 
 
-def _simplest(forms: Sequence[Hypothesis], count: int) -> Hypothesis:
-    """Of forms of one name, the best first, the one with fewest parameters that is no worse throughout, or by no more than noise is."""
+def _simplest(forms: Sequence[Hypothesis]) -> Hypothesis:
+    """Of forms of one name, the best first, the one with fewest parameters that is no worse throughout: chance may be all there is."""
     best = forms[0]
-
-    def alike(h: Hypothesis) -> bool:
-        little = 0.5 * count * (h.left - best.left) < DECIDES
-        return h.left < HARMLESS * best.left and (little or better(h.blocks, best.blocks) < THROUGHOUT)
-
-    return min(filter(alike, forms), key=lambda h: h.parameters, default=best)
+    alike = [h for h in forms if h.left < HARMLESS * best.left and better(h.blocks, best.blocks) < THROUGHOUT]
+    return min(alike, key=lambda h: h.parameters, default=best)
 
 
 def search(

@@ -14,7 +14,7 @@ import numpy as np
 
 from hamr_dynamics.effects.library import library
 
-from .blocks import DECIDES, THROUGHOUT, better
+from .blocks import THROUGHOUT, better
 from .hypothesis import Hypothesis
 from .search import Search
 
@@ -29,6 +29,7 @@ ANOTHER_SIZE = 0.1  # log odds against each size or shape
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
 UNKNOWN = 0.1  # of the gap: where names leave more, none of the library is right; known laws left up to 0.06, most others 0.14 and more
 COVERAGE = 0.9  # of a set
+DECIDES = 8.0  # half squared distance in units of noise below which data tell nothing apart (d' of 4)
 
 
 @dataclass(frozen=True)

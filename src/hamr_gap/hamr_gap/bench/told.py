@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hamr_dynamics.effects.library import library
 
-from ..blocks import DECIDES
+from ..weigh import DECIDES
 from .other import WAYS
 from .rates import rate
 from .score import Scored, kept_in, names, scored, share
