@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.signal import savgol_filter
@@ -11,7 +12,7 @@ from hamr_description.rates import SERVO_MS
 
 from .robot import Drives, Runs
 from .segments import NEAR_MS, POSITION, QUATERNION, Segments
-from .walk import Noise, turn_between
+from .walk import Noise, Walk, turn_between
 
 MEAN_MS = 1.0  # of the angles that count as one reading
 LEAD_MS = 12.0  # before a segment, over which effects take up what they remember
@@ -100,13 +101,19 @@ def observed(segments: Segments, fine: int) -> Observed:
 
 def _drives(segments: Segments, steps: int) -> Drives:
     walk, first = segments.walk, segments.first
-    fine = walk.record.fine(steps)
-    slopes = np.gradient(fine, walk.step / steps, axis=0)
-    bends = np.gradient(slopes, walk.step / steps, axis=0)
-    volts, slopes, bends = (x.reshape(-1, steps, 8) for x in (fine, slopes, bends))
-    window = 2 * round(NEAR_MS / walk.step) + 1
-    angles = savgol_filter(walk.angles, window, 3, axis=0)
-    rates = savgol_filter(walk.angles, window, 3, deriv=1, delta=walk.step, axis=0)
+    volts, slopes, bends, angles, rates = _even(walk, steps)
     during = first[:, None] + np.arange(segments.samples)
     before = np.maximum(first[:, None] - np.arange(round(LEAD_MS / walk.step), 0, -1), 0)
     return Drives(volts[during], slopes[during], bends[during], volts[before], slopes[before], angles[before], rates[before])
+
+
+@lru_cache(maxsize=2)
+def _even(walk: Walk, steps: int) -> tuple[np.ndarray, ...]:
+    """Of a whole walk: voltages with two derivatives (n, steps, 8), smoothed angles and rates (n, 8)."""
+    fine = walk.record.fine(steps)
+    slopes = np.gradient(fine, walk.step / steps, axis=0)
+    bends = np.gradient(slopes, walk.step / steps, axis=0)
+    window = 2 * round(NEAR_MS / walk.step) + 1
+    angles = savgol_filter(walk.angles, window, 3, axis=0)
+    rates = savgol_filter(walk.angles, window, 3, deriv=1, delta=walk.step, axis=0)
+    return *(x.reshape(-1, steps, 8) for x in (fine, slopes, bends)), angles, rates

@@ -17,7 +17,7 @@ from hamr_dynamics.machine import leg_machine
 from hamr_dynamics.plant import Plant, plant, with_effects
 from hamr_dynamics.set_effects import set_effects
 
-from .segments import POSITION, QD, QUATERNION, SPIN, VELOCITY, Q
+from .segments import POSITION, QD, QUATERNION, SPIN, STATE, VELOCITY, Q
 from .setting import Setting
 
 LANES = 1024  # simulated at once
@@ -37,11 +37,13 @@ class Numerics:
 
 @dataclass(frozen=True)
 class Runs:
-    """What lanes did at each sample after their starts: angles (n, k, 8) rad, position (n, k, 3) mm, quaternion (n, k, 4)."""
+    """What lanes did at each sample after their starts: angles (n, k, 8) rad, position (n, k, 3) mm, quaternion (n, k, 4); and the states
+    (n, 29) that they end in."""
 
     angles: np.ndarray
     position: np.ndarray
     quaternion: np.ndarray
+    ends: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -127,12 +129,12 @@ class Robot:
     def run(self, starts: np.ndarray, drives: Drives, settings: Sequence[Setting], which: np.ndarray, segment: np.ndarray) -> Runs:
         """Lanes from states (n, 29), lane i with settings[which[i]] under the voltages of segment[i]; angles are as sensors have them."""
         n, samples = len(starts), drives.volts.shape[1]
-        found = Runs(np.empty((n, samples, 8)), np.empty((n, samples, 3)), np.empty((n, samples, 4)))
+        found = Runs(np.empty((n, samples, 8)), np.empty((n, samples, 3)), np.empty((n, samples, 4)), np.empty((n, STATE)))
         own = self._kernels_for(settings, n * samples)
         rows = own.rows(settings)
         for begin in range(0, n, LANES):
             part = slice(begin, min(n, begin + LANES))
-            into = Runs(found.angles[part], found.position[part], found.quaternion[part])
+            into = Runs(found.angles[part], found.position[part], found.quaternion[part], found.ends[part])
             sim = own.of(part.stop - part.start)
             self._part(sim, starts[part], drives, settings, rows, which[part], segment[part], into)
         return found
@@ -165,6 +167,8 @@ class Robot:
             angles = sim.measured()[0] if sensed else sim.q
             for array, values in zip((into.angles, into.position, into.quaternion), (angles, sim.position, sim.quaternion), strict=True):
                 array[:, k] = values[:count]
+        ends = np.concatenate([sim.position, sim.quaternion, sim.velocity, sim.angular_velocity, sim.q, sim.qd], 1)
+        into.ends[:] = ends[:count]
 
     @staticmethod
     def _place(sim: BatchSim, x: np.ndarray) -> None:

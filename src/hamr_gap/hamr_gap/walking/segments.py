@@ -15,9 +15,10 @@ from hamr_description.errors import BagError
 from .walk import Walk, turn_between, turned
 
 POSITION, QUATERNION, VELOCITY, SPIN, Q, QD = (slice(*ends) for ends in ((0, 3), (3, 7), (7, 10), (10, 13), (13, 21), (21, 29)))
-CHANGES = 28
+STATE, CHANGES = 29, 28
 NEAR_MS = 1.5  # to either side, of the angles that a start is smoothed from
 POSES = 2  # to either side, that it is smoothed from
+BEFORE_MS = 20.0  # of the stretch that leads up to a segment
 LOOSE = 1.5  # by how many of its standard deviations a smoothed start may be off at the cost of one: neighbours are seen twice
 
 
@@ -26,8 +27,9 @@ class Segments:
     """Stretches of a walk, each with a start of its own.
 
     Attributes:
-        walk. first: (s,) samples at which they start; the chassis is seen there. samples: of each, the start's not counted.
+        walk. first: (s,) samples at which they start. samples: of each, the start's not counted.
         starts: (s, 29) smoothed states. sd: (28,) standard deviations of their changes, loosened.
+        before: the stretches that end where these start; run from starts of their own they say where feet are. None of those themselves.
     """
 
     walk: Walk
@@ -35,13 +37,15 @@ class Segments:
     samples: int
     starts: np.ndarray
     sd: np.ndarray
+    before: Segments | None
 
     def __len__(self) -> int:
         return len(self.first)
 
     def some(self, index: np.ndarray) -> Segments:
         """A choice of them."""
-        return Segments(self.walk, self.first[index], self.samples, self.starts[index], self.sd)
+        before = self.before.some(index) if self.before else None
+        return Segments(self.walk, self.first[index], self.samples, self.starts[index], self.sd, before)
 
 
 def moved(states: np.ndarray, change: np.ndarray) -> np.ndarray:
@@ -57,38 +61,48 @@ def segments(walk: Walk, *, length_ms: float, every_ms: float) -> Segments:
     Raises:
         BagError: the walk is too short.
     """
-    samples, near = round(length_ms / walk.step), round(NEAR_MS / walk.step)
-    poses = [i for i in range(POSES, len(walk.seen) - POSES) if _whole(walk, i, near, samples)]
+    samples, near, before = (round(ms / walk.step) for ms in (length_ms, NEAR_MS, BEFORE_MS))
     chosen: list[int] = []
-    for i in poses:
-        if not chosen or (walk.seen[i] - walk.seen[chosen[-1]]) * walk.step >= every_ms - 1e-9:
-            chosen.append(i)
+    for first in walk.seen:
+        if (not chosen or (first - chosen[-1]) * walk.step >= every_ms - 1e-9) and _whole(walk, first, near, before, samples):
+            chosen.append(first)
     if len(chosen) < 8:
         raise BagError(f"The walk has {len(chosen)} segments of {length_ms:g} ms: too few to learn from; record longer.")
-    index = np.array(chosen)
-    starts, noise = _smoothed(walk, index, near, POSES)
-    wide, _ = _smoothed(walk, index, near, POSES - 1)
-    narrow, _ = _smoothed(walk, index, near // 2, POSES)
-    moves = np.hypot(_apart(wide, starts).std(0), _apart(narrow, starts).std(0))  # how much the choice of neighbours matters
-    return Segments(walk, walk.seen[index], samples, starts, LOOSE * np.hypot(noise, moves))
+    first = np.array(chosen)
+    starts, noise = _smoothed(walk, first, near, POSES)
+    wide, _ = _smoothed(walk, first, near, POSES - 1)
+    narrow, _ = _smoothed(walk, first, near // 2, POSES)
+    moves = np.hypot(apart(wide, starts).std(0), apart(narrow, starts).std(0))  # how much the choice of neighbours matters
+    sd, earlier = LOOSE * np.hypot(noise, moves), first - before
+    lead = Segments(walk, earlier, before, _smoothed(walk, earlier, near, POSES)[0], sd, None)
+    return Segments(walk, first, samples, starts, sd, lead)
 
 
-def _whole(walk: Walk, i: int, near: int, samples: int) -> bool:
-    """Whether a segment from pose i, with all that smoothing needs, was recorded without a break."""
-    window = walk.seen[i - POSES : i + POSES + 1]
-    first, last = min(int(window[0]), walk.seen[i] - near), max(int(window[-1]), walk.seen[i] + max(near, samples))
+def _nearest(walk: Walk, at: np.ndarray) -> np.ndarray:
+    """Indices of the poses nearest to samples."""
+    after = np.clip(np.searchsorted(walk.seen, at), 1, len(walk.seen) - 1)
+    return after - (at - walk.seen[after - 1] < walk.seen[after] - at)
+
+
+def _whole(walk: Walk, first: int, near: int, before: int, samples: int) -> bool:
+    """Whether a segment from a sample, with what leads up to it and all that smoothing needs, was recorded without a break."""
+    begin, end = (int(_nearest(walk, np.array(at))) for at in (first - before, first))
+    if begin < POSES or end + POSES >= len(walk.seen):
+        return False
+    window = walk.seen[begin - POSES : end + POSES + 1]
+    start, last = min(int(window[0]), first - before - near), max(int(window[-1]), first + max(near, samples))
     dense = np.diff(window).max() < 1.5 * np.median(np.diff(walk.seen))
-    return dense and first >= 0 and last < len(walk.angles) and not any(first < b <= last for b in walk.breaks)
+    return dense and start >= 0 and last < len(walk.angles) and not any(start < b <= last for b in walk.breaks)
 
 
-def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(n, 28) changes from states to others."""
     return np.concatenate([b[:, :3] - a[:, :3], turn_between(a[:, QUATERNION], b[:, QUATERNION]), b[:, 7:] - a[:, 7:]], 1)
 
 
-def _smoothed(walk: Walk, index: np.ndarray, near: int, poses: int) -> tuple[np.ndarray, np.ndarray]:
-    """(s, 29) states at some of the poses by local polynomials, and (28,) what the sensors' noise makes of them."""
-    at = walk.seen[index]
+def _smoothed(walk: Walk, at: np.ndarray, near: int, poses: int) -> tuple[np.ndarray, np.ndarray]:
+    """(s, 29) states at samples by local polynomials, and (28,) what the sensors' noise makes of them."""
+    index = _nearest(walk, at)
     steps = np.arange(-near, near + 1)
     angle = _weights(steps * walk.step, 3)
     angles = walk.angles[at[:, None] + steps]  # s, window, 8

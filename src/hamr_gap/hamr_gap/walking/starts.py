@@ -6,14 +6,14 @@ few milliseconds put the feet where they can be.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .observe import Observed, observed
 from .robot import Robot
-from .segments import CHANGES, Segments, moved
+from .segments import CHANGES, Segments, apart, moved
 from .setting import ZEROS, Setting
 
 PROBE = 0.003  # of a start's standard deviation: little beside the depth to which feet sink
@@ -23,6 +23,7 @@ ROUNDS = 6  # on whole segments
 #: What a zero of the sensors does to what smoothing says of a start.
 ZERO_OF_START = np.zeros((len(ZEROS), CHANGES))
 ZERO_OF_START[np.arange(len(ZEROS)), [2, 3, 4, *range(12, 20)]] = 1.0
+USUAL = 1.1  # times the median of half squares, above which another start may do better
 SETTLED = 0.5  # gain in half squares below which a segment is done
 
 
@@ -56,9 +57,15 @@ class Replay:
         zeros, gains = (np.array([getattr(s, name) for s in settings])[which] for name in ("zeros", "gains"))
         starts = moved(self.segments.starts[segment], change * self.segments.sd)
         runs = self.robot.run(starts, self.observed.drives, settings, which, segment)
-        own = -change - zeros @ (ZERO_OF_START / self.segments.sd)
-        own[:, 12:] -= np.tile(gains, 2) * starts[:, 13:] / self.segments.sd[12:]
+        own = self.smoothed(zeros, gains, segment) - change
         return np.concatenate([self.observed.residual(starts, runs, zeros, gains, segment), own], 1)
+
+    def smoothed(self, zeros: np.ndarray, gains: np.ndarray, segment: np.ndarray) -> np.ndarray:
+        """(n, 28) changes to what smoothing says of the starts of segment[i] if sensors are off by zeros[i] (11,) and gains[i] (8,)."""
+        sd = self.segments.sd
+        change = -zeros @ (ZERO_OF_START / sd)
+        change[:, 12:] -= np.tile(gains, 2) * self.segments.starts[segment, 13:] / sd[12:]
+        return change
 
     def each(self, change: np.ndarray, settings: Sequence[Setting]) -> np.ndarray:
         """(m, s, readings + 28) of all segments under each of m settings."""
@@ -95,23 +102,59 @@ class Started:
 
 
 def start(replay: Replay, model: Setting, change: np.ndarray | None = None) -> Started:
-    """Fits the starts of all segments: from the smoothed ones, with a growing horizon, or from earlier changes (s, 28)."""
-    if change is None:
-        change = np.zeros((len(replay), CHANGES))
-        for ms, rounds in GROWING:
-            samples = round(ms / replay.segments.walk.step)
-            if samples < replay.segments.samples:
-                short = Replay.of(replay.robot, replace(replay.segments, samples=samples))
-                change = _stepped(short, model, change, rounds).change
-    return _stepped(replay, model, change, ROUNDS)
+    """Fits the starts of all segments: from earlier changes (s, 28), or anew."""
+    if change is not None:
+        return _stepped(replay, model, change, ROUNDS)
+    return _improved(replay, model, _grown(replay, model, _smoothed(replay, model)), _led)
 
 
 def best_start(replay: Replay, model: Setting, change: np.ndarray) -> Started:
-    """Of each segment the better of two: from the smoothed start, and from an earlier change (s, 28); contact has many minima."""
-    one, other = start(replay, model), start(replay, model, change)
-    first = (one.cost < other.cost)[:, None]
-    picked = (np.where(first, getattr(one, name), getattr(other, name)) for name in ("change", "residual"))
-    return Started(*picked, np.minimum(one.cost, other.cost))
+    """The same from earlier changes (s, 28), and anew where these leave more than usual; contact has many minima."""
+    return _improved(replay, model, start(replay, model, change), _smoothed, _led)
+
+
+def _improved(replay: Replay, model: Setting, found: Started, *ways: Callable[[Replay, Setting], np.ndarray]) -> Started:
+    """Starts with those that cost more than usual fitted from elsewhere too, and the better kept."""
+    change, residual, cost = found.change.copy(), found.residual.copy(), found.cost.copy()
+    for way in ways:
+        if not len(doubtful := np.flatnonzero(cost > USUAL * np.median(cost))):
+            break
+        part = replay.some(doubtful)
+        other = _grown(part, model, way(part, model))
+        better = other.cost < cost[doubtful]
+        for mine, its in ((change, other.change), (residual, other.residual), (cost, other.cost)):
+            mine[doubtful[better]] = its[better]
+    return Started(change, residual, cost)
+
+
+def _smoothed(replay: Replay, model: Setting) -> np.ndarray:
+    """(s, 28) changes to the smoothed starts, without what a model has for errors of the sensors."""
+    s = len(replay)
+    return replay.smoothed(*(np.tile(errors, (s, 1)) for errors in (model.zeros, model.gains)), np.arange(s))
+
+
+def _led(replay: Replay, model: Setting) -> np.ndarray:
+    """(s, 28) changes to where a model ends that runs from a start of its own through the stretch before each segment.
+
+    Where feet stand decides what a segment does, and what they did before says more of that than smoothing does.
+    """
+    segments, before = replay.segments, Replay.of(replay.robot, replay.segments.before)
+    begun = _grown(before, model, _smoothed(before, model)).change
+    lanes = np.arange(len(replay))
+    begun = moved(before.segments.starts, begun * before.segments.sd)
+    ends = replay.robot.run(begun, before.observed.drives, [model], np.zeros_like(lanes), lanes).ends
+    change = apart(segments.starts, ends) / segments.sd
+    return np.where(np.isfinite(change).all(1, keepdims=True), change, 0.0)
+
+
+def _grown(replay: Replay, model: Setting, change: np.ndarray) -> Started:
+    """Starts fitted with a growing horizon."""
+    for ms, rounds in GROWING:
+        samples = round(ms / replay.segments.walk.step)
+        if samples < replay.segments.samples:
+            short = Replay.of(replay.robot, replace(replay.segments, samples=samples))
+            change = _stepped(short, model, change, rounds).change
+    return _stepped(replay, model, change, ROUNDS)
 
 
 def _stepped(replay: Replay, model: Setting, change: np.ndarray, rounds: int) -> Started:

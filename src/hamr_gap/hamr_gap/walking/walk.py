@@ -15,7 +15,7 @@ from ..readings import noise_of
 from ..record import Record
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Walk:
     """Even servo samples of one run and the poses seen meanwhile.
 
