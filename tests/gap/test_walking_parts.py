@@ -15,10 +15,12 @@ from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
 from hamr_gap.walking import robot
+from hamr_gap.walking.fit import fit
 from hamr_gap.walking.left import trimmed
+from hamr_gap.walking.prepare import settled
 from hamr_gap.walking.robot import Numerics, Robot
 from hamr_gap.walking.roles import TURN_MS, TURNS, roles
-from hamr_gap.walking.segments import CHANGES, segments
+from hamr_gap.walking.segments import CHANGES, apart, segments
 from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retune, setting
 from hamr_gap.walking.starts import Replay, start
 from hamr_gap.walking.walk import Walk, joined, product, turn_between, turned
@@ -128,6 +130,43 @@ def test_fitted_starts_predict_to_the_noise_where_smoothed_ones_do_not():
     assert trimmed(fitted)[0] < 0.1 * trimmed(smoothed)[0]
     assert trimmed(fitted)[0] < 1.2 * trimmed(from_true)[0]
     assert trimmed(fitted)[0] < 6.0  # of means over 1 ms: an angle is a noise or so off
+
+
+def test_starts_anew_stand_where_true_ones_do():
+    """Feet that smoothing puts wrongly are put right by what they did before: few segments end elsewhere than from true starts."""
+    walk, states = walked()
+    chosen = segments(walk, length_ms=20.0, every_ms=20.0)
+    replay = Replay.of(Robot("simple", Numerics(1, 0.1)), chosen)
+    true = start(replay, Setting(), apart(chosen.starts, states[chosen.first // 16]) / chosen.sd)
+    anew = start(replay, Setting())
+    assert np.mean(anew.cost > 1.3 * true.cost) < 0.1
+    assert anew.cost.sum() < 1.1 * true.cost.sum()
+
+
+def test_starts_anew_know_of_the_sensors_errors():
+    """Sensors that are off, in a model that says so, change nothing."""
+    walk, _ = walked()
+    zeros, gains = np.r_[0.1, 0.01, -0.02, 0.02 * np.resize([1.0, -1.0], 8)], 0.02 * np.resize([1.0, 1.0, -1.0], 8)
+    position = walk.position + zeros[0] * np.array([0.0, 0.0, 1.0])
+    off = Walk(walk.voltages, walk.angles * (1.0 + gains) + zeros[3:], STEP, walk.seen, position,
+               turned(walk.quaternion, np.r_[zeros[1:3], 0.0]))  # fmt: skip
+    robot_, model = Robot("simple", Numerics(1, 0.1)), Setting(zeros=tuple(zeros), gains=tuple(gains))
+    plain = start(Replay.of(robot_, segments(walk, length_ms=20.0, every_ms=60.0)), Setting())
+    there = start(Replay.of(robot_, segments(off, length_ms=20.0, every_ms=60.0)), model)
+    assert there.cost.sum() < 1.1 * plain.cost.sum()
+
+
+def test_a_fit_from_far_off_ends_where_one_from_the_truth_does():
+    """Encoders of 3 mrad, and the robot's own numbers off by half of what is thought possible."""
+    walk, _ = walked()
+    angles = walk.angles + np.random.default_rng(3).normal(0, 3e-3, walk.angles.shape)
+    walk = Walk(walk.voltages, angles, STEP, walk.seen, walk.position, walk.quaternion)
+    replay = Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=12.0, every_ms=80.0))
+    free = retune(replay.robot.rest())
+    own = np.array([0.5 * f.sd * f.row.startswith("change.") for f in free])
+    far = own * np.random.default_rng(2).standard_normal(len(free))
+    from_truth, from_far = (settled(replay, fit(replay, free, x, (), start(replay, setting(free, x)).change)) for x in (0.0 * far, far))
+    assert from_far.cost < 1.1 * from_truth.cost
 
 
 def test_settings_carry_every_free_number_once():

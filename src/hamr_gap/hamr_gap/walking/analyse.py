@@ -51,7 +51,7 @@ def analyse(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: 
     state = search(backend, walk, report)
     report("intervals")
     prepared = state.prepared
-    weights = weigh(state)
+    weights = weigh(state, prepared.least)
     evidence = _evidence(state)
     if state.base.left - state.best.left > prepared.least and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED:
         chosen = credible(weights)

@@ -25,9 +25,9 @@ class Eliminated:
         gradient = weighted.T @ self._residual.ravel() - np.einsum("sip,si->p", solved, self._pull)
         return hessian, gradient
 
-    def starts(self, columns: np.ndarray, step: np.ndarray, damping: float) -> np.ndarray:
-        """(s, 28) steps of the starts that go with a step (P,) of the columns."""
-        pull = self._pull - np.matmul(self._slopes.transpose(0, 2, 1), (columns @ step)[..., None])[..., 0]
+    def starts(self, residual: np.ndarray, damping: float) -> np.ndarray:
+        """(s, 28) steps of the starts that take the most off residuals (s, c), with a share of each direction's curvature added."""
+        pull = np.einsum("sci,sc->si", self._slopes, residual, optimize=True)
         diagonal = np.einsum("sii->si", self._gram)[:, :, None] * np.eye(self._gram.shape[1])
         return np.linalg.solve(self._gram + damping * diagonal, pull[..., None])[..., 0]
 

@@ -10,14 +10,15 @@ import numpy as np
 from ..parameters import Free
 from .eliminate import Eliminated, bounded
 from .setting import ZEROS, Candidate, Setting, setting
-from .starts import Replay, half_squares
+from .starts import Replay, half_squares, start
 
 PROBE = 0.003  # of a parameter's prior, or of its scale where that is narrower
-MARQUARDT, FACTORS = 0.1, (0.1, 1.0, 10.0)  # share of its curvature that is added to each direction at first, and what is tried of it
-DAMPINGS = (0.0, 0.03, 1e3)  # likewise of the starts, each with what suits it: the last leaves them where they are
+MARQUARDT, FACTORS = 0.01, (0.1, 1.0, 10.0)  # share of its curvature that is added to each direction at first, and what is tried of it
+DAMPINGS = (0.0, 0.03, 0.3, 1e3)  # likewise of the starts, each with what suits it: the last leaves them where they are
 BAD = 3.0  # times the usual cost of a segment, above which it counts less: contact may have gone another way
+SETTLING = 2  # rounds in which starts settle before a step is judged: contacts bend what they follow, and good steps look wrong before
 TOLERANCE = 0.01  # relative decrease of cost at which a fit ends
-ROUNDS = 4
+ROUNDS = 10
 
 
 @dataclass(frozen=True)
@@ -76,12 +77,14 @@ def columns(
 
 def fit(
     replay: Replay, free: Sequence[Free], x0: np.ndarray, effects: Sequence[Candidate], change: np.ndarray,
-    known: np.ndarray | None = None, *, rounds: int = ROUNDS,
+    known: np.ndarray | None = None, *, slopes: np.ndarray | None = None, rounds: int = ROUNDS,
 ) -> Fit:  # fmt: skip
     """Fits shared numbers (P,) from x0 strictly inside their bounds, and starts (s, 28) from `change`.
 
     Args:
         known: (s, readings, K) derivatives by the first K numbers, taken near by: a chord serves as well as a tangent, and costs nothing.
+        slopes: (s, readings, 28) likewise by the starts, for a brief look; else they are taken anew each round.
+        rounds: at most.
     """
     low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
     x = np.clip(x0, low, high)
@@ -95,17 +98,22 @@ def fit(
     hessian, damping = prior, MARQUARDT
     for _ in range(rounds):
         cost = cost_of(half_squares(residual), x)
-        slopes = replay.slopes(change, residual, setting(free, x, effects))
+        along = replay.slopes(change, residual, setting(free, x, effects)) if slopes is None else slopes
         own = columns(replay, free, x, effects, change, residual, known)
-        linear = Eliminated(slopes, residual, weight)
+        linear = Eliminated(along, residual, weight)
         hessian, gradient = linear.normal(own)
         hessian, gradient = hessian + prior, gradient - (x - center) / sd**2
         dampings = [damping * factor for factor in FACTORS]
         steps = [bounded(hessian + d * np.diag(np.diag(hessian)), gradient, x, low, high) for d in dampings]
         tries = [np.clip(x + step, low, high) for step in steps]
-        left, starts = _followed(replay, linear, own, [(at, setting(free, at, effects), at - x) for at in tries], change)
+        models = [setting(free, at, effects) for at in tries]
+        left, starts = _followed(replay, linear, models, [residual - own @ (at - x) for at in tries], change)
         costs = [cost_of(half_squares(r), at) for r, at in zip(left, tries, strict=True)]
         best = int(np.argmin(costs))
+        if not costs[best] < cost and slopes is None:  # what settles along old slopes is not enough: with new ones, for the step between
+            best = len(tries) // 2
+            begun = start(replay, models[best], starts[best])
+            costs[best], left[best], starts[best] = cost_of(begun.cost, tries[best]), begun.residual, begun.change
         if not costs[best] < cost:
             damping *= FACTORS[-1] ** 2
             continue
@@ -119,14 +127,24 @@ def fit(
 
 
 def _followed(
-    replay: Replay, linear: Eliminated, own: np.ndarray, tries: Sequence[tuple[np.ndarray, Setting, np.ndarray]], change: np.ndarray
+    replay: Replay, linear: Eliminated, models: Sequence[Setting], foreseen: Sequence[np.ndarray], change: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals (m, s, c) and starts (m, s, 28) under steps of the shared numbers, each segment's start with the damping that suits it."""
-    s, ways = len(replay), [(model, step, damping) for _, model, step in tries for damping in DAMPINGS]
-    starts = np.concatenate([change + linear.starts(own, step, damping) for _, step, damping in ways])
-    lanes = np.repeat(np.arange(len(ways)), s)
-    left = replay.residual(starts, [model for model, _, _ in ways], lanes, np.tile(np.arange(s), len(ways)))
-    shape = len(tries), len(DAMPINGS), s
-    suits = np.argmin(half_squares(left).reshape(shape), 1)
-    pick = np.arange(len(tries))[:, None], suits, np.arange(s)
-    return left.reshape(*shape, -1)[pick], starts.reshape(*shape, -1)[pick]
+    """Residuals (m, s, c) and starts (m, s, 28) under models, whose residuals (s, c) are foreseen for starts that stay.
+
+    Starts follow what is foreseen, and settle by what is left then.
+    """
+    starts = np.broadcast_to(change, (len(models), *change.shape))
+    for _ in range(1 + SETTLING):
+        ways = np.stack([[at + linear.starts(each, damping) for damping in DAMPINGS] for at, each in zip(starts, foreseen, strict=True)])
+        foreseen, starts = _suited(replay, models, ways)
+    return foreseen, starts
+
+
+def _suited(replay: Replay, models: Sequence[Setting], ways: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (m, s, c) and starts (m, s, 28) under models, of ways (m, d, s, 28) that which suits each segment."""
+    m, d, s = ways.shape[:3]
+    left = replay.residual(ways.reshape(m * d * s, -1), models, np.repeat(np.arange(m), d * s), np.tile(np.arange(s), m * d))
+    left = left.reshape(m, d, s, -1)
+    suits = np.argmin(half_squares(left.reshape(m * d * s, -1)).reshape(m, d, s), 1)
+    pick = np.arange(m)[:, None], suits, np.arange(s)
+    return left[pick], ways[pick]

@@ -22,6 +22,7 @@ from .walk import Walk
 LENGTH_MS = 20.0  # of a segment: what acts on the body shows as the square of time, but contact stays predictable for so long only
 GROWING_MS = (8.0, LENGTH_MS)
 SETTLING, SETTLED = 5, 0.98  # times that a fit is taken up again, while it leaves less than this share of what it left before
+BRIEFLY = 1  # times on short segments, which only lead to the long ones
 SLIPS = (1.0, 0.1)  # slip speeds below which friction is viscous, as shares of the model's: the data choose
 FINE, HALVED = 0.2, 0.5  # rms in noise by which halving the step may move readings; how much less the next halving does
 
@@ -91,9 +92,10 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
 def _tuned(robot: Robot, some: Segments, free: Sequence[Free], lengths_ms: Sequence[float], found: Fit | None = None) -> tuple[Replay, Fit]:
     """A re-tune, from an earlier one if there is, on segments that grow: under a model that is far off, long ones lead astray."""
     for ms in lengths_ms:
+        times = SETTLING if ms == LENGTH_MS else BRIEFLY
         replay = Replay.of(robot, replace(some, samples=round(ms / some.walk.step)))
         x, change = (found.x, found.change) if found else (np.zeros(len(free)), start(replay, Setting()).change)
-        found = settled(replay, fit(replay, free, x, (), change))
+        found = settled(replay, fit(replay, free, x, (), change), times)
     return replay, found
 
 

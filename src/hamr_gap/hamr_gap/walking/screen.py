@@ -52,12 +52,13 @@ class Screen:
     """The picture about a fit.
 
     Attributes:
-        about: the fit. fixed: (s, readings + 28, P) derivatives by its free numbers.
+        about: the fit. slopes: (s, readings + 28, 28) derivatives by its starts. fixed: (s, readings + 28, P) by its free numbers.
     """
 
     def __init__(self, replay: Replay, about: Fit, wanted: Sequence[tuple[str, Form]]) -> None:
         self.about = about
-        linear = Eliminated(replay.slopes(about.change, about.residual, about.model), about.residual, weights(about.residual))
+        self.slopes = replay.slopes(about.change, about.residual, about.model)
+        linear = Eliminated(self.slopes, about.residual, weights(about.residual))
         self.fixed = columns(replay, about.free, about.x, about.effects, about.change, about.residual)
         self._place: dict[Column, int] = {}
         responses, jobs = [], _jobs(wanted)

@@ -22,7 +22,7 @@ BRIEF, EACH = 3, 2  # rounds of a first look at every effect, and which segments
 EVERYWHERE, MORE_PLACES = 2, 3  # effects that are looked at in all their forms, and at so many places
 SINGLES = 5  # names fitted for good
 KEPT, PAIRS = 12, 3  # singles of which pairs are made; pairs fitted, of each of two kinds
-POLISHED, RIVAL, TIMES = 3, 2.0, 2  # how many are taken up again, that leave less than so many times what the best leaves; and how often
+POLISHED, RIVAL, TIMES = 3, 1.5, 2  # how many are taken up again, that leave less than so many times what the best leaves; and how often
 SETTLING = 3  # times that the best may change hands by that
 ENOUGH = 0.03  # of the gap, that another effect must promise
 EDGE = 1e-3  # of a prior's width: a fit starts inside its bounds
@@ -102,7 +102,7 @@ def _fitted(state: Search, seen: Screen, solution: Solution, *, brief: bool = Fa
     some = np.arange(0, len(replay), EACH if brief else 1)
     return fit(
         replay.some(some), [*about.free, *own], x, (*about.effects, *effects), about.change[some], seen.fixed[some],
-        rounds=BRIEF if brief else ROUNDS,
+        slopes=seen.slopes[some] if brief else None, rounds=BRIEF if brief else ROUNDS,
     )  # fmt: skip
 
 
