@@ -25,7 +25,7 @@ ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less tha
 ONE_MORE = 3.0  # log odds against each beyond the second
 SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
-ANOTHER_SIZE = 0.1  # log odds against each size or shape
+FREER = 0.3  # log odds against a factor e in the number of sizes and shapes: they are judged where they were not fitted
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
 UNKNOWN = 0.1  # of the gap: where names leave more, none of the library is right; known laws left up to 0.06, most others 0.14 and more
 COVERAGE = 0.9  # of a set
@@ -61,7 +61,7 @@ def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
             places = sum(len(c.places) - 1 for c in h.effects if library()[c.effect].smooth)  # the others are seen at each joint by itself
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
             price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
-            price += ANOTHER_PLACE * places + ANOTHER_SIZE * h.parameters + CONTAINS * wide
+            price += ANOTHER_PLACE * places + FREER * np.log(h.parameters) + CONTAINS * wide
             taken = min(((best[few].left - h.left) / gap for few in best if few < names), default=1.0)
             price += SHARPNESS * max(0.0, np.log(SMALL / max(taken, FORM_ERROR)))
             found.append((h, left, -SHARPNESS * np.log(left + least) - price))

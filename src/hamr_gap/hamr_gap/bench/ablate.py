@@ -47,7 +47,7 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "held_out": ((tune, "roles_of", _judged_by_the_fitted),),
     "finer": ((prepare, "ENOUGH", float("inf")),),
     "staircase": ((search, "staircases", lambda *_: {}),),
-    "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "ANOTHER_SIZE", "CONTAINS")),
+    "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "FREER", "CONTAINS")),
     "special": ((weigh, "_special", lambda *_: False),),
     "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False)),
 }
