@@ -14,17 +14,17 @@ from hamr_gap.search import Search
 from hamr_gap.weigh import UNKNOWN, weigh
 
 
-def weights(spread: float = 0.01, **left: float) -> dict[str, float]:
+def weights(spread: float = 0.01, numbers: dict[str, int] | None = None, **left: float) -> dict[str, float]:
     """Probability of each name, at the first joint or, with _1, the second, where a gap of 100 times the noise is left to these shares.
 
-    With _01 it is at both. spread: of what each leaves over blocks.
+    With _01 it is at both. spread: of what each leaves over blocks. numbers: sizes and shapes of names that have not two.
     """
 
     def one(names: str, share: float) -> SimpleNamespace:
         places = (re.fullmatch(r"(.+?)_?([01]*)", name).groups() for name in names.split("__"))
         effects = tuple(Candidate(name, FORMS[name], tuple(map(int, joints or "0"))) for name, joints in places)
         blocks = (1.0 + 100.0 * share) * (1.0 + spread * np.random.default_rng(len(names)).standard_normal(24))
-        return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=2)
+        return SimpleNamespace(effects=effects, left=1.0 + 100.0 * share, blocks=blocks, parameters=(numbers or {}).get(names, 2))
 
     tried = {frozenset(c.name for c in h.effects): h for h in (one(*item) for item in left.items())}
     state = SimpleNamespace(base=SimpleNamespace(left=101.0), floor=1.0, count=10_000, by_names=lambda: tried)
@@ -46,6 +46,12 @@ def test_probabilities_sum_to_one_and_less_left_is_likelier():
     found = weights(coulomb_friction=0.01, drive_lag=0.02, cubic_stiffness=0.5)
     assert np.isclose(sum(found.values()), 1.0)
     assert found["coulomb_friction"] > found["drive_lag"] > found["cubic_stiffness"]
+
+
+def test_many_numbers_cost_something_but_no_more_than_they_can_explain():
+    alike = weights(numbers={"cubic_stiffness": 50}, coulomb_friction=0.01, cubic_stiffness=0.01)
+    assert 0.6 < alike["coulomb_friction"] < 0.9
+    assert weights(numbers={"cubic_stiffness": 50}, coulomb_friction=0.03, cubic_stiffness=0.005)["cubic_stiffness"] > 0.95
 
 
 def test_what_two_names_differ_by_is_known_better_than_the_noise():
