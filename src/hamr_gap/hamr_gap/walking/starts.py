@@ -144,7 +144,7 @@ def _led(replay: Replay, model: Setting) -> np.ndarray:
     begun = moved(before.segments.starts, begun * before.segments.sd)
     ends = replay.robot.run(begun, before.observed.drives, [model], np.zeros_like(lanes), lanes).ends
     change = apart(segments.starts, ends) / segments.sd
-    return np.where(np.isfinite(change).all(1, keepdims=True), change, 0.0)
+    return np.where(np.isfinite(change).all(1, keepdims=True), change, _smoothed(replay, model))
 
 
 def _grown(replay: Replay, model: Setting, change: np.ndarray) -> Started:
