@@ -21,7 +21,7 @@ from .walk import Walk
 BRIEF, EACH = 3, 2  # rounds of a first look at every effect, and which segments it takes: every second
 EVERYWHERE, MORE_PLACES = 2, 3  # effects that are looked at in all their forms, and at so many places
 SINGLES = 5  # names fitted for good
-KEPT, PAIRS = 12, 3  # singles of which pairs are made; pairs fitted, of each of two kinds
+KEPT, PAIRS, TOGETHER = 12, 3, 2  # singles of which pairs are made; pairs looked at, of each of two kinds; and fitted for good
 POLISHED, RIVAL, TIMES = 3, 1.5, 2  # how many are taken up again, that leave less than so many times what the best leaves; and how often
 SETTLING = 3  # times that the best may change hands by that
 ENOUGH = 0.03  # of the gap, that another effect must promise
@@ -175,10 +175,11 @@ def _pairs(state: Search, seen: Screen, singles: Sequence[Solution]) -> list[Hyp
     if not best.effects or best.left - state.floor < max(ENOUGH * gap, state.prepared.numerical**2):
         return []
     beside = Screen(state.prepared.parts["fit"], best.fit, [(e, form) for e, form in forms() if e != best.effects[0].effect])
-    found = [_judged(state, _fitted(state, beside, s)) for s in _one_of_each(beside.singles(), PAIRS)]
-    done = {h.names for h in found}
+    looks = [(beside, s) for s in _one_of_each(beside.singles(), PAIRS)]
+    done = {best.names | s.names for _, s in looks}
     shapes = {s.effects[0]: tuple((p.name, s.values[s.effects[0].row(p)]) for p in s.effects[0].law.shapes) for s in singles}
     kept = [s.effects[0] for s in _one_of_each(singles, KEPT)]
     pairs = [seen.solve(pair, [shapes[c] for c in pair]) for pair in combinations(kept, 2) if pair[0].effect != pair[1].effect]
-    more = [p for p in sorted(pairs, key=lambda p: -p.gain) if p.names not in done][:PAIRS]
-    return [*found, *(_judged(state, _fitted(state, seen, p)) for p in more)]
+    looks += [(seen, p) for p in sorted(pairs, key=lambda p: -p.gain) if p.names not in done][:PAIRS]
+    looks.sort(key=lambda look: _fitted(state, *look, brief=True).cost)
+    return [_judged(state, _fitted(state, *look)) for look in looks[:TOGETHER]]
