@@ -139,8 +139,9 @@ def _polish(state: Search) -> None:
 
     So may its parameters be where only a want of the effect has put them, and the model as given, with the effect, is the better place.
     """
+    most = RIVAL * state.best.left  # of what the best leaves before any is taken up: the others may gain as much by that
     for h in sorted(state.tried, key=lambda h: h.left)[:POLISHED]:
-        if h.left < RIVAL * state.best.left:
+        if h.left < most:
             state.tried[state.tried.index(h)] = _settled(state, h.fit, _from_given(state, h.fit))
 
 
