@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,15 +16,17 @@ from hamr_bags.as_measured import NOISE, strokes
 from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
+from hamr_gap.walking import fit as fits
 from hamr_gap.walking import robot
-from hamr_gap.walking.fit import fit
+from hamr_gap.walking.fit import SETTLING, fit
 from hamr_gap.walking.left import trimmed
 from hamr_gap.walking.prepare import settled
+from hamr_gap.walking.replay import Replay
 from hamr_gap.walking.robot import Numerics, Robot
 from hamr_gap.walking.roles import TURN_MS, TURNS, roles
 from hamr_gap.walking.segments import CHANGES, apart, segments
 from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retune, setting
-from hamr_gap.walking.starts import Replay, start
+from hamr_gap.walking.starts import start
 from hamr_gap.walking.walk import Walk, joined, product, turn_between, turned
 
 SECONDS = 1.2
@@ -91,7 +95,9 @@ def test_no_segment_bridges_a_break_or_lost_poses():
     two = joined([walk, walk])
     found = segments(two, length_ms=20.0, every_ms=20.0)
     seam = len(walk.angles)
-    assert not ((found.first < seam) & (found.first + found.samples >= seam)).any()
+    for one in (found, found.before):
+        assert not ((one.first < seam) & (one.first + one.samples >= seam)).any()
+    assert np.array_equal(found.before.first + found.before.samples, found.first)
     gap = Walk(walk.voltages, walk.angles, STEP, np.delete(walk.seen, slice(100, 110)), np.delete(walk.position, slice(100, 110), 0),
                np.delete(walk.quaternion, slice(100, 110), 0))  # fmt: skip
     first = segments(gap, length_ms=20.0, every_ms=20.0).first
@@ -143,6 +149,40 @@ def test_starts_anew_stand_where_true_ones_do():
     assert anew.cost.sum() < 1.1 * true.cost.sum()
 
 
+def test_a_run_that_diverges_on_the_way_to_a_segment_costs_nothing(monkeypatch):
+    """Starts are then what smoothing makes of them."""
+    walk, _ = walked()
+    replay = Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=8.0, every_ms=120.0))
+    monkeypatch.setattr(Replay, "ends", lambda self, change, model: np.full((len(self), 29), np.nan))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of sums with what is no number
+        assert np.isfinite(start(replay, Setting()).cost).all()
+
+
+def test_runs_end_where_they_go_on():
+    walk, _ = walked()
+    chosen = segments(walk, length_ms=20.0, every_ms=120.0)
+    robot_, some = Robot("simple"), np.arange(len(chosen))
+    lead = Replay.of(robot_, chosen.before)
+    there = lead.ends(np.zeros((len(chosen), CHANGES)), Setting())
+    both = replace(chosen.before, samples=chosen.before.samples + chosen.samples)
+    whole, after = (robot_.run(x, Replay.of(robot_, part).observed.drives, [Setting()], 0 * some, some)
+                    for x, part in ((chosen.before.starts, both), (there, chosen)))  # fmt: skip
+    assert np.allclose(whole.position[:, -chosen.samples :], after.position, rtol=0.0, atol=1e-4)
+    assert np.abs(apart(whole.ends, after.ends) / chosen.sd).max() < 0.01  # contact makes rounding grow, by less than anyone can see
+
+
+def test_a_brief_fit_takes_the_slopes_that_it_is_given(monkeypatch):
+    walk, _ = walked()
+    replay = Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=8.0, every_ms=120.0))
+    free = retune(replay.robot.rest())[:8]
+    x = np.full(len(free), 0.1)
+    begun = start(replay, setting(free, x))
+    slopes = replay.slopes(begun.change, begun.residual, setting(free, x))
+    monkeypatch.setattr(Replay, "slopes", None)
+    assert fit(replay, free, x, (), begun.change, slopes=slopes, rounds=3).cost < 0.9 * begun.cost.sum()
+
+
 def test_starts_anew_know_of_the_sensors_errors():
     """Sensors that are off, in a model that says so, change nothing."""
     walk, _ = walked()
@@ -156,17 +196,32 @@ def test_starts_anew_know_of_the_sensors_errors():
     assert there.cost.sum() < 1.1 * plain.cost.sum()
 
 
-def test_a_fit_from_far_off_ends_where_one_from_the_truth_does():
-    """Encoders of 3 mrad, and the robot's own numbers off by half of what is thought possible."""
+@cache
+def far_off() -> tuple[Replay, list, np.ndarray]:
+    """Segments seen by encoders of 3 mrad, a re-tune's numbers, and those of the robot off by half of what is thought possible."""
     walk, _ = walked()
     angles = walk.angles + np.random.default_rng(3).normal(0, 3e-3, walk.angles.shape)
     walk = Walk(walk.voltages, angles, STEP, walk.seen, walk.position, walk.quaternion)
     replay = Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=12.0, every_ms=80.0))
     free = retune(replay.robot.rest())
     own = np.array([0.5 * f.sd * f.row.startswith("change.") for f in free])
-    far = own * np.random.default_rng(2).standard_normal(len(free))
+    return replay, free, own * np.random.default_rng(2).standard_normal(len(free))
+
+
+def test_a_fit_from_far_off_ends_where_one_from_the_truth_does():
+    replay, free, far = far_off()
     from_truth, from_far = (settled(replay, fit(replay, free, x, (), start(replay, setting(free, x)).change)) for x in (0.0 * far, far))
     assert from_far.cost < 1.1 * from_truth.cost
+
+
+def test_starts_settle_before_a_step_is_judged(monkeypatch):
+    """Contact bends what starts follow: without that, good steps look wrong, and a fit gets less far."""
+    replay, free, far = far_off()
+    begun, cost = start(replay, setting(free, far)).change, {}
+    for rounds in (SETTLING, 0):
+        monkeypatch.setattr(fits, "SETTLING", rounds)
+        cost[rounds] = fit(replay, free, far, (), begun).cost
+    assert cost[SETTLING] < 0.8 * cost[0]
 
 
 def test_settings_carry_every_free_number_once():

@@ -2,34 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
 class Eliminated:
     """Slopes of segments with the starts eliminated: what is left of readings once each start has adapted."""
 
-    def __init__(self, slopes: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> None:
-        """Args: slopes (s, c, 28), residual (s, c), weight (s,)."""
-        self._slopes, self._residual, self.weight = slopes, residual, weight
+    def __init__(self, slopes: np.ndarray) -> None:
+        """Args: slopes (s, c, 28)."""
+        self._slopes = slopes
         self._gram = np.einsum("sci,scj->sij", slopes, slopes, optimize=True)
-        self._inverse = np.linalg.inv(self._gram)
-        self._pull = np.einsum("sci,sc->si", slopes, residual, optimize=True)
 
-    def normal(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(P, P) and (P,) normal equations of columns (s, c, P)."""
+    def normal(self, columns: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(P, P) and (P,) normal equations of columns (s, c, P) against residuals (s, c) of segments with weights (s,)."""
         across = np.matmul(self._slopes.transpose(0, 2, 1), columns)
-        solved = np.matmul(self._inverse, across) * self.weight[:, None, None]
-        weighted = (columns * self.weight[:, None, None]).reshape(-1, columns.shape[2])
+        solved = np.matmul(np.linalg.inv(self._gram), across) * weight[:, None, None]
+        weighted = (columns * weight[:, None, None]).reshape(-1, columns.shape[2])
         flat = columns.reshape(-1, columns.shape[2])
         hessian = flat.T @ weighted - across.reshape(-1, across.shape[2]).T @ solved.reshape(-1, across.shape[2])
-        gradient = weighted.T @ self._residual.ravel() - np.einsum("sip,si->p", solved, self._pull)
+        gradient = weighted.T @ residual.ravel() - np.einsum("sip,si->p", solved, self._pull(residual))
         return hessian, gradient
 
-    def starts(self, residual: np.ndarray, damping: float) -> np.ndarray:
-        """(s, 28) steps of the starts that take the most off residuals (s, c), with a share of each direction's curvature added."""
-        pull = np.einsum("sci,sc->si", self._slopes, residual, optimize=True)
+    def starts(self, residual: np.ndarray, dampings: Sequence[float]) -> np.ndarray:
+        """(d, s, 28) steps of the starts that take the most off residuals (s, c), with shares of each direction's curvature added."""
         diagonal = np.einsum("sii->si", self._gram)[:, :, None] * np.eye(self._gram.shape[1])
-        return np.linalg.solve(self._gram + damping * diagonal, pull[..., None])[..., 0]
+        return np.linalg.solve(self._gram + np.array(dampings)[:, None, None, None] * diagonal, self._pull(residual)[..., None])[..., 0]
+
+    def _pull(self, residual: np.ndarray) -> np.ndarray:
+        return np.einsum("sci,sc->si", self._slopes, residual, optimize=True)
 
 
 def bounded(hessian: np.ndarray, gradient: np.ndarray, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

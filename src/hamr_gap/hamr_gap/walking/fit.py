@@ -9,8 +9,8 @@ import numpy as np
 
 from ..parameters import Free
 from .eliminate import Eliminated, bounded
+from .replay import Replay, half_squares
 from .setting import ZEROS, Candidate, Setting, setting
-from .starts import Replay, half_squares, start
 
 PROBE = 0.003  # of a parameter's prior, or of its scale where that is narrower
 MARQUARDT, FACTORS = 0.01, (0.1, 1.0, 10.0)  # share of its curvature that is added to each direction at first, and what is tried of it
@@ -100,8 +100,8 @@ def fit(
         cost = cost_of(half_squares(residual), x)
         along = replay.slopes(change, residual, setting(free, x, effects)) if slopes is None else slopes
         own = columns(replay, free, x, effects, change, residual, known)
-        linear = Eliminated(along, residual, weight)
-        hessian, gradient = linear.normal(own)
+        linear = Eliminated(along)
+        hessian, gradient = linear.normal(own, residual, weight)
         hessian, gradient = hessian + prior, gradient - (x - center) / sd**2
         dampings = [damping * factor for factor in FACTORS]
         steps = [bounded(hessian + d * np.diag(np.diag(hessian)), gradient, x, low, high) for d in dampings]
@@ -110,10 +110,6 @@ def fit(
         left, starts = _followed(replay, linear, models, [residual - own @ (at - x) for at in tries], change)
         costs = [cost_of(half_squares(r), at) for r, at in zip(left, tries, strict=True)]
         best = int(np.argmin(costs))
-        if not costs[best] < cost and slopes is None:  # what settles along old slopes is not enough: with new ones, for the step between
-            best = len(tries) // 2
-            begun = start(replay, models[best], starts[best])
-            costs[best], left[best], starts[best] = cost_of(begun.cost, tries[best]), begun.residual, begun.change
         if not costs[best] < cost:
             damping *= FACTORS[-1] ** 2
             continue
@@ -135,16 +131,6 @@ def _followed(
     """
     starts = np.broadcast_to(change, (len(models), *change.shape))
     for _ in range(1 + SETTLING):
-        ways = np.stack([[at + linear.starts(each, damping) for damping in DAMPINGS] for at, each in zip(starts, foreseen, strict=True)])
-        foreseen, starts = _suited(replay, models, ways)
+        ways = starts[:, None] + np.stack([linear.starts(each, DAMPINGS) for each in foreseen])
+        foreseen, starts = replay.suited(models, ways)
     return foreseen, starts
-
-
-def _suited(replay: Replay, models: Sequence[Setting], ways: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals (m, s, c) and starts (m, s, 28) under models, of ways (m, d, s, 28) that which suits each segment."""
-    m, d, s = ways.shape[:3]
-    left = replay.residual(ways.reshape(m * d * s, -1), models, np.repeat(np.arange(m), d * s), np.tile(np.arange(s), m * d))
-    left = left.reshape(m, d, s, -1)
-    suits = np.argmin(half_squares(left.reshape(m * d * s, -1)).reshape(m, d, s), 1)
-    pick = np.arange(m)[:, None], suits, np.arange(s)
-    return left[pick], ways[pick]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from .replay import Replay
 from .segments import CHANGES
-from .starts import Replay, Started
+from .starts import Started
 
 BLOCK_MS = 100.0  # of judged segments, that count as one
 WORST = 0.1  # of the judged segments, that do not count: their contact may have gone another way

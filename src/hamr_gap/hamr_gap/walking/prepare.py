@@ -12,11 +12,12 @@ from ..hypothesis import Hypothesis
 from ..parameters import Free
 from .fit import Fit, fit
 from .left import left_of, trimmed
+from .replay import Replay
 from .robot import Numerics, Robot
 from .roles import roles
 from .segments import CHANGES, Segments, segments
 from .setting import Setting, retune
-from .starts import Replay, Started, best_start, start
+from .starts import Started, best_start, start
 from .walk import Walk
 
 LENGTH_MS = 20.0  # of a segment: what acts on the body shows as the square of time, but contact stays predictable for so long only

@@ -15,8 +15,8 @@ from ..parameters import Free
 from .candidates import PLACES, UNITS, Shapes, kind, shapes_of, units
 from .eliminate import Eliminated, bounded
 from .fit import Fit, columns, weights
+from .replay import Replay
 from .setting import Candidate, Setting, setting
-from .starts import Replay
 
 SMALL = 0.1  # of a typical size, at which responses are taken
 BATCH = 24  # models simulated at once
@@ -58,7 +58,6 @@ class Screen:
     def __init__(self, replay: Replay, about: Fit, wanted: Sequence[tuple[str, Form]]) -> None:
         self.about = about
         self.slopes = replay.slopes(about.change, about.residual, about.model)
-        linear = Eliminated(self.slopes, about.residual, weights(about.residual))
         self.fixed = columns(replay, about.free, about.x, about.effects, about.change, about.residual)
         self._place: dict[Column, int] = {}
         responses, jobs = [], _jobs(wanted)
@@ -70,7 +69,8 @@ class Screen:
                     self._place[column] = len(responses)
                     responses.append(((about.residual - r) / values[column.size]).astype(np.float32))
         n, free = len(about.free), about.free
-        hessian, gradient = linear.normal(np.concatenate([self.fixed, np.stack(responses, -1)], -1))
+        all_columns = np.concatenate([self.fixed, np.stack(responses, -1)], -1)
+        hessian, gradient = Eliminated(self.slopes).normal(all_columns, about.residual, weights(about.residual))
         sd, center = np.array([f.sd for f in free]), np.array([f.center for f in free])
         inner = hessian[:n, :n] + np.diag(sd**-2.0)
         follow = np.linalg.solve(inner, np.column_stack([hessian[:n, n:], gradient[:n] - (about.x - center) / sd**2]))

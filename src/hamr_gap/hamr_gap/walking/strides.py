@@ -10,10 +10,11 @@ import numpy as np
 from hamr_description.names import JOINTS
 from hamr_description.units import length_to_si
 
+from .replay import Replay
 from .robot import Robot
 from .segments import Segments, moved, segments
 from .setting import Setting
-from .starts import Replay, start
+from .starts import start
 from .walk import Walk
 
 LEAD = JOINTS[1]  # the drive whose rise begins a stride

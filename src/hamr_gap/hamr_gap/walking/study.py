@@ -20,8 +20,9 @@ from .bags import read
 from .found import ROBOT, by_channel, find, model_of, robot_of
 from .found import effects_file as found_effects
 from .left import trimmed
+from .replay import Replay
 from .segments import CHANGES, Segments, segments
-from .starts import Replay, start
+from .starts import start
 from .strides import strides
 from .walk import Walk
 

@@ -15,7 +15,7 @@ from ..readings import noise_of
 from ..record import Record
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False)  # known by identity, so that what is made of a whole walk can be kept
 class Walk:
     """Even servo samples of one run and the poses seen meanwhile.
 

@@ -1,0 +1,77 @@
+"""The rules of the search on the ground, on hypotheses made here: what is fitted for good, what is taken up again, what is unknown."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hamr_gap.hypothesis import Hypothesis
+from hamr_gap.walking import analyse, search
+from hamr_gap.walking.setting import Candidate
+
+FLOOR, LEAST = 0.86, 0.25
+FRICTION, SLOPE, TETHER, LAG = (
+    Candidate(*names) for names in (("ground_friction", "factor", "all"), ("gravity_tilt", "slope", "chassis"),
+                                    ("tether_force", "constant", "chassis"), ("drive_lag", "first_order", "all"))
+)  # fmt: skip
+
+
+def left(share: float, *effects: Candidate) -> Hypothesis:
+    return Hypothesis(effects, SimpleNamespace(model=None, free=()), share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))))
+
+
+def searched(base: float, *tried: Hypothesis) -> search.Search:
+    judged = SimpleNamespace(observed=SimpleNamespace(readings=100))
+    parts = {"fit": None, "select": type("Judged", (SimpleNamespace,), {"__len__": lambda _: 64})(**vars(judged))}
+    prepared = SimpleNamespace(base=left(base), floor=FLOOR, least=LEAST, numerical=0.1, parts=parts, raw=left(2.0 * base))
+    return search.Search(prepared, list(tried))
+
+
+@pytest.mark.parametrize(("others", "taken_up"), [(1.4, True), (1.6, False)])
+def test_a_rival_is_measured_by_what_the_best_left_before_it_was_taken_up(monkeypatch, others, taken_up):
+    """The best may leave half as much afterwards, and so may the rival."""
+    state, done = searched(9.0, left(2.0, SLOPE), left(2.0 * others, TETHER)), []
+    monkeypatch.setattr(search, "_from_given", lambda state, found: found)
+    monkeypatch.setattr(search, "_settled", lambda state, *begun: done.append(begun) or left(1.0, SLOPE))
+    search._polish(state)
+    assert len(done) == 1 + taken_up
+
+
+def test_pairs_that_look_best_are_fitted_for_good(monkeypatch):
+    state, fitted = searched(9.0, left(4.0, SLOPE)), []
+    cost = {FRICTION: 30.0, TETHER: 10.0, LAG: 20.0}
+
+    class Screen:
+        def __init__(self, *_) -> None:
+            pass
+
+        def singles(self):
+            return [solution(c) for c in cost]
+
+        def solve(self, pair, shapes):
+            return solution(*pair, gain=0.0)
+
+    def solution(*effects, gain=1.0):
+        return SimpleNamespace(effects=effects, names=frozenset(c.name for c in effects), gain=gain, values={})
+
+    def look(state, seen, s, *, brief=False):
+        if not brief:
+            fitted.append(s.effects)
+        return SimpleNamespace(cost=cost[s.effects[0]] if len(s.effects) == 1 else 99.0)
+
+    monkeypatch.setattr(search, "Screen", Screen)
+    monkeypatch.setattr(search, "_fitted", look)
+    monkeypatch.setattr(search, "_judged", lambda state, found: found)
+    search._pairs(state, Screen(), [])
+    assert fitted == [(TETHER,), (LAG,)]
+
+
+@pytest.mark.parametrize(("best", "word"), [(FLOOR + 0.9 * LEAST, "named"), (FLOOR + 2.0 * LEAST, "unknown")])
+def test_what_would_be_no_gap_alone_leaves_nothing_unknown(monkeypatch, best, word):
+    """A re-tune that swallows most of an effect leaves so little that a tenth of it is less than anyone can see."""
+    state = searched(FLOOR + 1.2, left(best, SLOPE))
+    monkeypatch.setattr(analyse, "search", lambda *_: state)
+    monkeypatch.setattr(analyse, "_evidence", lambda state: (9.0, 9.0))
+    assert analyse.analyse("simple", None).word == word
