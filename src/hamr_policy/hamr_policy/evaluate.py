@@ -112,7 +112,7 @@ def _row(quantity: str, unit: str, by_policy: list[np.ndarray], reference: float
 def _same_residual(policy: Policy, residual: str | Path) -> None:
     backend, trained = policy.about["backend"], policy.about["residual"]
     if residual_digest(backend, residual) != trained:
-        raise ConfigError(f"A policy was trained on another residual model ({trained}): give that model's file, or train the policy anew.")
+        raise ConfigError(f"A policy was trained on another residual model ({trained}): say with which model's file, by residual.")
 
 
 def _same_effects(policy: Policy, given: EffectsFile) -> None:

@@ -1,7 +1,7 @@
 """Say what policies do on the backend they were trained on, and on others: speeds, turning rates, rewards, with spread.
 
 Examples:
-  hamr eval policy out/walk/policy.onnx
+  hamr eval policy out/walk/policy.onnx --residual out/residual.json
   hamr eval policy out/seed_*/policy.onnx --backend full simple --json
   hamr eval policy out/walk/policy.onnx --backend simple --effects effects.yaml
 """

@@ -15,6 +15,8 @@ from typing import Annotated
 
 from tyro.conf import arg
 
+from ..present import as_text
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Residual:
@@ -67,6 +69,10 @@ class Policy:
 
         return train(self.task, self.backend, self.out, steps=self.steps, seed=self.seed, residual=self.residual, effects=self.effects,
                      resume=self.resume)  # fmt: skip
+
+    def text(self, result: dict) -> str:
+        """All but the curve's thousand points, which lie in the folder."""
+        return as_text({key: value for key, value in result.items() if key != "curve"})
 
 
 Command = {"residual": Residual, "policy": Policy}
