@@ -21,6 +21,7 @@ from hidden_gap.ground import GROUPS, GroundCase, draw, turn, write
 from hidden_gap.ground_bag import seen
 from hidden_gap.ground_laws import GROUND_LAWS, OF_LEGS, Scene, families, laws_of, scene
 from hidden_gap.ground_machine import Walker
+from hidden_gap.ground_retune import left
 from hidden_gap.ground_strength import SEGMENT, Floors, shown, walked
 from hidden_gap.laws import LAWS
 
@@ -82,6 +83,23 @@ def test_nothing_shows_where_nothing_is_hidden():
     channels = shown(walked((), changes, CASE.volts()), changes, CASE.volts(), FLOORS)
     assert max(channels.values()) < 1e-4
     assert max(shown(walked((), changes, CASE.volts()), {}, CASE.volts(), FLOORS).values()) > 0.1
+
+
+CHANGED = {f"{kind}.{joint}": 1.2 for kind in ("stiffness", "damping", "drive_gain") for joint in JOINTS[::2]}
+
+
+@pytest.mark.parametrize(
+    ("effects", "changes", "late", "share"),
+    [((), CHANGED, 0, (0.0, 0.35)), ((), {}, 12, (0.0, 0.35)), ((("slope", {"slope": 0.2, "downhill": 0.5}),), CHANGED, 0, (0.9, 1.2))],
+)
+def test_a_re_tune_takes_up_parameters_and_lateness_and_leaves_a_slope(effects, changes, late, share):
+    volts = CASE.volts()
+    heard = np.concatenate([np.repeat(volts[:1], late, axis=0), volts[: len(volts) - late]])
+    run = walked(tuple(_effect(name, **parameters) for name, parameters in effects), changes, heard)
+    given, after = max(shown(run, {}, volts, FLOORS).values()), max(left(run, {}, volts, FLOORS, most=12).values())
+    alone = max(shown(run, changes, volts, FLOORS).values()) if effects else given
+    assert given > 2.0
+    assert share[0] * alone < after < share[1] * alone
 
 
 def test_half_the_step_shows_less_than_half_a_floor_on_average():
@@ -173,23 +191,31 @@ def test_hips_answer_a_step_of_the_drives_later_or_less(name, parameters, ms):
     assert ((other > 0.0) & (other < 0.97 * plain)).all()
 
 
-@pytest.mark.parametrize("seed", [0, 34])
-def test_a_case_has_its_strength_on_another_simulator(seed):
+@pytest.mark.parametrize(("name", "parameters"), [("payload", LOAD), ("cube", {"stiffness": 5.0, "softening": 0.0})])
+def test_what_shows_is_the_same_on_another_simulator(name, parameters):
     """The engine of hamr_sim_residual, from the same states, at its own step."""
-    case = draw("ground", seed, seconds=1.0)
-    assert [effect.family for effect in case.effects] == [turn("ground", seed)]
-    assert not case.changes
-    run, volts, engine, squares = case.run(), case.volts(), simple_engine(), []
-    channel = max(case.channels, key=case.channels.get)
-    assert case.reached == case.channels[channel] == pytest.approx(case.strength, rel=0.051)
-    column, place, floor = 7 + JOINTS.index(channel), engine.model.joint(channel).qposadr[0], case.floors.angle
+    volts, engine, squares = CASE.volts(), simple_engine(), []
+    run = walked((_effect(name, **parameters),), {}, volts)
+    given = shown(run, {}, volts, FLOORS)
+    channel = max(JOINTS, key=given.get)
+    assert given[channel] > 1.0
+    column, place = 7 + JOINTS.index(channel), engine.model.joint(channel).qposadr[0]
     for k, (qpos, qvel) in enumerate(zip(run.mark_qpos, run.mark_qvel, strict=True)):
         engine.data.qpos[:], engine.data.qvel[:] = qpos, qvel
         for j, row in enumerate(volts[k * SEGMENT : (k + 1) * SEGMENT]):
             if j % 5 == 0:
                 squares.append((engine.data.qpos[place] - run.qpos[(k * SEGMENT + j) // 5, column]) ** 2)
             engine.substep(row)
-    assert np.sqrt(np.mean(squares)) / floor == pytest.approx(case.reached, rel=0.15)
+    assert np.sqrt(np.mean(squares)) / FLOORS.angle == pytest.approx(given[channel], rel=0.15)
+
+
+def test_a_case_has_its_strength_once_the_robot_is_tuned_again(monkeypatch):
+    monkeypatch.setattr("hidden_gap.ground.PIECES", 5)
+    case = draw("ground", 34, seconds=1.0)
+    assert [effect.family for effect in case.effects] == [turn("ground", 34)]
+    assert case.reached == max(case.channels.values()) == pytest.approx(case.strength, rel=0.101)
+    given = shown(case.run(), case.changes, case.volts(), case.floors)
+    assert max(given.values()) > case.reached
 
 
 def test_equal_seeds_give_equal_cases_and_turns_are_taken():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from .draw import parameter
 from .ground_bag import write
 from .ground_case import KINDS, GroundCase, conditions
 from .ground_laws import GroundLaw, families, laws_of
+from .ground_retune import PIECES, left
 from .ground_strength import shown, walked
 from .laws import BOTH, LAWS, Law
 from .sizing import CLOSE, search
@@ -29,6 +31,8 @@ ATTEMPTS = 20
 SPARE = 88  # apart from the groups of draw.GROUPS
 #: Seconds of the brief run on which a size is sought, how near it must come there, and trials on it and on the whole run.
 BRIEF, NEAR, TRIALS, WHOLE_TRIALS = 2.0, 0.1, 8, 4
+#: Times that a robot is tuned at most, and how near the strength what it leaves must come, as a logarithm.
+RETUNES, AFTER = 4, math.log(1.1)
 
 
 def turn(group: str, seed: int) -> str:
@@ -41,12 +45,12 @@ def draw(group: str, seed: int, *, strength: float = 5.0, seconds: float = 12.0)
 
     Args:
         group: one of GROUPS. seed: equal arguments give equal cases; `turn(group, seed)` is hidden.
-        strength: rms over segments of 20 ms of the run minus that without the effect from the same states, in floors of the sensor noise,
-            in the channel (hip angle, axis of position or orientation) that shows it most.
+        strength: rms over segments of 20 ms of the run minus that of the best tuned robot without the effect from the same states, in
+            floors of the sensor noise, in the channel (hip angle, axis of position or orientation) that shows it most.
         seconds: length of the run, 1 to 12.
 
     Returns:
-        A case that reaches the strength within 5 %. ConfigError if no draw does.
+        A case that reaches the strength within 10 %. ConfigError if no draw does.
     """
     if group not in GROUPS:
         raise ConfigError(f"There is no group '{group}' of cases on the ground; choose one of {', '.join(GROUPS)}.")
@@ -79,19 +83,35 @@ def _effect(law: GroundLaw | Law, random: np.random.Generator) -> Effect:
 
 
 def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:
-    """The case with the effect scaled to its strength; None if the bounds forbid that. ModelError if the robot falls."""
+    """The case with the effect scaled to its strength; None if the bounds forbid that. ModelError if the robot falls.
+
+    What shows before a re-tune costs little to know, and rises with the size; what is left after one is a share of it that hardly changes.
+    """
     law = next(law for law in laws_of(effect.family) if law.name == effect.law)
     low, high = map(math.log, law.ranges[law.size])
-    x, slope, tried = math.log(effect.parameters[law.size]), 1.0, {}
-    for seconds, near, trials in ((min(BRIEF, case.seconds), NEAR, TRIALS), (case.seconds, CLOSE, WHOLE_TRIALS)):
+
+    def of(size: float) -> Effect:
+        return replace(effect, parameters=effect.parameters | {law.size: math.exp(size)})
+
+    def channels(size: float, seconds: float, measured: Callable, **how) -> dict[str, float]:
         volts = case.volts(seconds)
+        return measured(walked((of(size),), case.changes, volts), case.changes, volts, case.floors, **how)
 
-        def miss(size: float, volts=volts) -> float:
-            hidden = replace(effect, parameters=effect.parameters | {law.size: math.exp(size)})
-            channels = shown(walked((hidden,), case.changes, volts), case.changes, volts, case.floors)
-            tried[size] = replace(case, effects=(hidden,), channels=channels, reached=max(channels.values()))
-            return math.log(max(tried[size].reached, 1e-6) / case.strength)
+    x, slope, goal = math.log(effect.parameters[law.size]), 1.0, case.strength
+    stages = ((min(BRIEF, case.seconds), NEAR, TRIALS), (case.seconds, CLOSE, WHOLE_TRIALS))
+    for _ in range(RETUNES):
+        for seconds, near, trials in stages:
 
-        x, y, slope = search(miss, x, slope, low, high, near, trials)
-        found, x = tried[x], min(max(x - y / slope, low), high)
-    return found if abs(y) < CLOSE else None
+            def miss(size: float, seconds=seconds, goal=goal) -> float:
+                return math.log(max(*channels(size, seconds, shown).values(), 1e-6) / goal)
+
+            at, y, slope = search(miss, x, slope, low, high, near, trials)
+            x = min(max(at - y / slope, low), high)
+        if abs(y) > CLOSE:
+            return None
+        after = channels(at, case.seconds, left, most=PIECES)
+        off = math.log(max(after.values()) / case.strength)
+        if abs(off) < AFTER:
+            return replace(case, effects=(of(at),), channels=after, reached=max(after.values()))
+        goal, x, stages = goal * math.exp(-off), min(max(at - off / slope, low), high), stages[1:] or stages
+    return None

@@ -26,7 +26,7 @@ class GroundCase(Hidden):
     Attributes:
         position_noise, orientation_noise: of motion capture, m and rad.
         strength: asked, in floors.
-        reached: that of the channel which shows the effects most, over segments of 20 ms (ground_strength.shown).
+        reached: that of the channel which shows the effects most, over segments of 20 ms, after a re-tune (ground_retune.left).
         channels: that of every channel.
         step: integration step, ms.
     """

@@ -20,6 +20,8 @@ from .ground_machine import EVERY, SAMPLE_HZ, STEP, Walk, Walker
 #: Servo samples of a segment; segments compared at most; samples per frame of motion capture; cosine of the roll and pitch of a fall.
 SEGMENT, SEGMENTS, FRAME, FALLEN = SERVO_HZ // 50, 200, SAMPLE_HZ // TARGET_HZ, 0.5
 BASE = tuple(f"{BASE_FRAME}_{name}" for name in ("x", "y", "z", "roll", "pitch", "yaw"))
+#: Readings of a segment's hip angles.
+ANGLES = SEGMENT // EVERY * len(JOINTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,17 +47,55 @@ def walked(effects: tuple[Effect, ...], changes: Mapping[str, float], volts: np.
     return run
 
 
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Stretches of 20 ms of a run, each beginning in a state of it.
+
+    Attributes:
+        qpos, qvel: (s, .) the states. volts: (s, SEGMENT + 1, 8) V. there: (s, rows, 15) the run's coordinates at 4 kHz. floors.
+    """
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    volts: np.ndarray
+    there: np.ndarray
+    floors: Floors
+
+    @classmethod
+    def of(cls, run: Walk, volts: np.ndarray, floors: Floors, most: int = SEGMENTS) -> Pieces:
+        """At most so many, evenly spread over a run under voltages (n, 8) V."""
+        chosen = np.unique(np.linspace(0, len(run.mark_qpos) - 1, min(len(run.mark_qpos), most)).round().astype(int))
+        held = np.stack([volts[k * SEGMENT : (k + 1) * SEGMENT + 1] for k in chosen])
+        rows = np.arange(-(-held.shape[1] // EVERY))
+        there = np.stack([run.qpos[k * SEGMENT // EVERY + rows] for k in chosen])
+        return cls(run.mark_qpos[chosen], run.mark_qvel[chosen], held, there, floors)
+
+    def missed(self, plain: Walker) -> np.ndarray:
+        """(s, readings) by which another robot misses them from the same states, in floors."""
+        missed = []
+        for qpos, qvel, volts, there in zip(self.qpos, self.qvel, self.volts, self.there, strict=True):
+            plain.set(qpos, qvel)
+            found = plain.run(volts).qpos
+            base = difference(there[FRAME::FRAME], found[FRAME::FRAME]) / np.repeat([self.floors.position, self.floors.orientation], 3)
+            missed.append(flat((there - found)[1:, 7:] / self.floors.angle, base))
+        return np.array(missed)
+
+
+def flat(angles: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """(ANGLES + poses,) readings of a piece: hip angles (rows, 8), then the base at each frame (frames, 6)."""
+    return np.concatenate([angles.ravel(), base.ravel()])
+
+
+def by_channel(missed: np.ndarray) -> dict[str, float]:
+    """Rms of (s, readings) as of `Pieces.missed`, channel by channel: JOINTS and BASE."""
+    angles, base = missed[:, :ANGLES].reshape(-1, len(JOINTS)), missed[:, ANGLES:].reshape(-1, len(BASE))
+    rms = np.sqrt(np.concatenate([np.mean(angles**2, axis=0), np.mean(base**2, axis=0)]))
+    return dict(zip((*JOINTS, *BASE), rms.tolist(), strict=True))
+
+
 def shown(run: Walk, changes: Mapping[str, float], volts: np.ndarray, floors: Floors, *, step: float = STEP) -> dict[str, float]:
     """Rms, in floors, of a run minus the runs of 20 ms without effects from its states, channel by channel: JOINTS and BASE."""
-    plain, count, squares = Walker(Scene(), changes, step=step), len(run.mark_qpos), []
-    for k in np.unique(np.linspace(0, count - 1, min(count, SEGMENTS)).round().astype(int)):
-        plain.set(run.mark_qpos[k], run.mark_qvel[k])
-        first = k * SEGMENT
-        found = plain.run(volts[first : first + SEGMENT + 1]).qpos
-        there = run.qpos[first // EVERY : first // EVERY + len(found)]
-        base = difference(there[FRAME::FRAME], found[FRAME::FRAME]) / np.repeat([floors.position, floors.orientation], 3)
-        squares.append(np.r_[np.mean(((there - found)[1:, 7:] / floors.angle) ** 2, axis=0), np.mean(base**2, axis=0)])
-    return dict(zip((*JOINTS, *BASE), np.sqrt(np.mean(squares, axis=0)).tolist(), strict=True))
+    return by_channel(Pieces.of(run, volts, floors).missed(Walker(Scene(), changes, step=step)))
 
 
 def difference(one: np.ndarray, other: np.ndarray) -> np.ndarray:

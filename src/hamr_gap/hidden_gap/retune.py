@@ -68,7 +68,7 @@ class Directions:
     Factors change by their logarithms: gains of drive and sensor, or of everything that moves a leg, trade off on straight lines then.
 
     Attributes:
-        columns: (rows, m) floors per leeway of NAMES.
+        columns: (rows, m) floors per leeway of each parameter.
         around: (m,) coordinates, in leeways, that the leeway is about.
         normal: (m, m) normal matrix, the leeway's pull in it.
     """
@@ -80,7 +80,7 @@ class Directions:
     @classmethod
     def of(cls, columns: np.ndarray, around: np.ndarray) -> Directions:
         """With their normal matrix."""
-        return cls(columns, around, columns.T @ columns + np.eye(len(NAMES)))
+        return cls(columns, around, columns.T @ columns + np.eye(columns.shape[1]))
 
     def step(self, residual: np.ndarray, at: np.ndarray) -> tuple[float, np.ndarray, bool]:
         """Rms of what is left of a residual (rows,) after the best step from coordinates `at`; those after it; if it had to be cut."""

@@ -1,0 +1,88 @@
+"""What is left of a walk once the robot without effects is tuned again, within 20 ms from the same states, in floors of the sensor noise.
+
+Tuned as a leg is (`retune`): drive gain, stiffness, damping, inertia and preload of each joint, its sensor's gain and bias, and one
+common time shift; and the zeros of the chassis's height, roll and pitch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from hamr_description.names import BASE_FRAME, JOINTS
+from hamr_description.rates import SERVO_MS
+
+from .ground_laws import Scene
+from .ground_machine import EVERY, STEP, Walk, Walker
+from .ground_strength import BASE, FRAME, SEGMENT, Floors, Pieces, by_channel, flat
+from .machine import FACTORS, TIME_SHIFT, neutral
+from .retune import FACTOR_LEEWAY, LEEWAY, STEPS, Directions
+
+#: Pieces looked at, Gauss-Newton steps, and how many of a leg's steps one for a difference here is: contacts bend all curves, and a
+#: chord over as much as parameters may be off leads to where a tangent does not.
+PIECES, ROUNDS, CHORD = 24, 3, 30.0
+#: Parameters of the robot, whose directions need runs.
+NAMES = tuple(f"{kind}.{joint}" for kind in STEPS for joint in JOINTS)
+IS_FACTOR = np.array([name.split(".")[0] in FACTORS for name in NAMES])
+LEEWAYS = np.array([LEEWAY.get(name.split(".")[0], FACTOR_LEEWAY) for name in NAMES])
+#: Gains and biases of the angles, zeros of the base, lateness.
+SENSORS = 2 * len(JOINTS) + 4
+#: Zeros of the base's sensors, as columns of BASE, and how far they may wander, in floors.
+ZEROS, ZERO_LEEWAY = tuple(BASE.index(f"{BASE_FRAME}_{name}") for name in ("z", "roll", "pitch")), 100.0
+
+
+def left(
+    run: Walk, changes: Mapping[str, float], volts: np.ndarray, floors: Floors, *, step: float = STEP, most: int = PIECES
+) -> dict[str, float]:  # fmt: skip
+    """Rms of what the best tuned robot without effects leaves, channel by channel: JOINTS and BASE.
+
+    Args:
+        run: with effects, under `volts` (n, 8) V. changes: the robot's own, from which it is tuned. step: of the tuned robot, ms.
+        most: pieces looked at.
+    """
+    pieces, start = Pieces.of(run, volts, floors, most), _coordinates(changes)
+    own, at = len(start), np.concatenate([start, np.zeros(SENSORS)])
+    around, tried = at, []
+    for k in range(ROUNDS + 1):
+        columns = _sensors(pieces, at[:own], step)
+        tried.append(_missed(pieces, at[:own], step).ravel() - columns @ at[own:])
+        if k < ROUNDS:
+            directions = Directions.of(np.hstack([_robot(pieces, at[:own], step), columns]), around)
+            _, at, _ = directions.step(tried[-1], at)
+    return by_channel(min(tried, key=np.linalg.norm).reshape(len(pieces.qpos), -1))
+
+
+def _robot(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
+    """(readings, NAMES) floors per leeway of the robot's parameters."""
+    here, columns = _missed(pieces, at, step), []
+    for i, name in enumerate(NAMES):
+        away = CHORD * STEPS[name.split(".")[0]] / LEEWAYS[i]
+        columns.append((here - _missed(pieces, at + away * (np.arange(len(at)) == i), step)).ravel() / away)
+    return np.stack(columns, axis=1)
+
+
+def _sensors(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
+    """(readings, 20) likewise of gains and biases of the angles' sensors, zeros of the base's, and of voltages that come late."""
+    angles, joints, axes = pieces.there[:, 1:, 7:] / pieces.floors.angle, np.eye(len(JOINTS)), np.eye(len(BASE))
+    still, none = np.zeros((SEGMENT // EVERY // FRAME, len(BASE))), np.zeros_like(angles[0])
+    columns = [np.array([flat(FACTOR_LEEWAY * each * one, still) for each in angles]) for one in joints]
+    columns += [np.tile(flat(none + LEEWAY["bias"] / pieces.floors.angle * one, still), (len(angles), 1)) for one in joints]
+    columns += [np.tile(flat(none, still + ZERO_LEEWAY * axes[axis]), (len(angles), 1)) for axis in ZEROS]
+    samples = round(LEEWAY[TIME_SHIFT] / SERVO_MS)
+    held = np.concatenate([np.repeat(pieces.volts[:, :1], samples, axis=1), pieces.volts[:, :-samples]], axis=1)
+    late = _missed(pieces, at, step) - _missed(replace(pieces, volts=held), at, step)
+    return np.stack([column.ravel() for column in (*columns, late)], axis=1)
+
+
+def _missed(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
+    x = at * LEEWAYS
+    return pieces.missed(Walker(Scene(), dict(zip(NAMES, np.where(IS_FACTOR, np.exp(x), x).tolist(), strict=True)), step=step))
+
+
+def _coordinates(changes: Mapping[str, float]) -> np.ndarray:
+    """(NAMES,) changes in leeways, factors as logarithms."""
+    x = np.array([changes.get(name, neutral(name.split(".")[0])) for name in NAMES])
+    x[IS_FACTOR] = np.log(x[IS_FACTOR])
+    return x / LEEWAYS
