@@ -12,7 +12,7 @@ from .eliminate import Eliminated, bounded
 from .replay import Replay, half_squares
 from .setting import ZEROS, Candidate, Setting, setting
 
-PROBE = 0.003  # of a parameter's prior, or of its scale where that is narrower
+PROBE = 0.1  # of a parameter's prior, or of its scale where that is narrower: contacts bend what moves, and a chord leads further
 MARQUARDT, FACTORS = 0.01, (0.1, 1.0, 10.0)  # share of its curvature that is added to each direction at first, and what is tried of it
 DAMPINGS = (0.0, 0.03, 0.3, 1e3)  # likewise of the starts, each with what suits it: the last leaves them where they are
 BAD = 3.0  # times the usual cost of a segment, above which it counts less: contact may have gone another way
