@@ -20,7 +20,7 @@ from .ground_laws import GroundLaw, families, laws_of
 from .ground_retune import PIECES, left
 from .ground_strength import shown, walked
 from .laws import BOTH, LAWS, Law
-from .sizing import CLOSE, search
+from .sizing import FAR, search
 
 __all__ = ["GROUPS", "GroundCase", "draw", "turn", "write"]
 
@@ -29,7 +29,7 @@ GROUPS = {"ground": families(), "ground_null": ("nothing", "changes")}
 AXIS = {axis: tuple(joint for joint in JOINTS if joint.endswith(axis)) for axis in AXES}
 ATTEMPTS = 20
 SPARE = 88  # apart from the groups of draw.GROUPS
-#: Seconds of the brief run on which a size is sought, how near it must come there, and trials on it and on the whole run.
+#: Seconds of the brief run on which a size is sought, how near it must come before a re-tune, and trials on it and on the whole run.
 BRIEF, NEAR, TRIALS, WHOLE_TRIALS = 2.0, 0.1, 8, 4
 #: Times that a robot is tuned at most, and how near the strength what it leaves must come, as a logarithm.
 RETUNES, AFTER = 4, math.log(1.1)
@@ -98,16 +98,16 @@ def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:
         return measured(walked((of(size),), case.changes, volts), case.changes, volts, case.floors, **how)
 
     x, slope, goal = math.log(effect.parameters[law.size]), 1.0, case.strength
-    stages = ((min(BRIEF, case.seconds), NEAR, TRIALS), (case.seconds, CLOSE, WHOLE_TRIALS))
+    stages = ((min(BRIEF, case.seconds), TRIALS), (case.seconds, WHOLE_TRIALS))
     for _ in range(RETUNES):
-        for seconds, near, trials in stages:
+        for seconds, trials in stages:
 
             def miss(size: float, seconds=seconds, goal=goal) -> float:
                 return math.log(max(*channels(size, seconds, shown).values(), 1e-6) / goal)
 
-            at, y, slope = search(miss, x, slope, low, high, near, trials)
+            at, y, slope = search(miss, x, slope, low, high, NEAR, trials)
             x = min(max(at - y / slope, low), high)
-        if abs(y) > CLOSE:
+        if abs(y) > FAR:
             return None
         after = channels(at, case.seconds, left, most=PIECES)
         off = math.log(max(after.values()) / case.strength)

@@ -20,9 +20,11 @@ from .ground_strength import BASE, FRAME, SEGMENT, Floors, Pieces, by_channel, f
 from .machine import FACTORS, TIME_SHIFT, neutral
 from .retune import FACTOR_LEEWAY, LEEWAY, STEPS, Directions
 
-#: Pieces looked at, Gauss-Newton steps, and how many of a leg's steps one for a difference here is: contacts bend all curves, and a
-#: chord over as much as parameters may be off leads to where a tangent does not.
-PIECES, ROUNDS, CHORD = 24, 3, 30.0
+#: Pieces looked at, and Gauss-Newton steps.
+PIECES, ROUNDS = 16, 2
+#: How many of a leg's steps one for a difference is: contacts bend all curves, and a chord over as much as parameters may be off leads
+#: to where a tangent does not.
+CHORD = 30.0
 #: Parameters of the robot, whose directions need runs.
 NAMES = tuple(f"{kind}.{joint}" for kind in STEPS for joint in JOINTS)
 IS_FACTOR = np.array([name.split(".")[0] in FACTORS for name in NAMES])
