@@ -20,7 +20,7 @@ from .ground_laws import GroundLaw, families, laws_of
 from .ground_retune import PIECES, left
 from .ground_strength import shown, walked
 from .laws import BOTH, LAWS, Law
-from .sizing import FAR, search
+from .sizing import search
 
 __all__ = ["GROUPS", "GroundCase", "draw", "turn", "write"]
 
@@ -107,7 +107,7 @@ def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:
 
             at, y, slope = search(miss, x, slope, low, high, NEAR, trials)
             x = min(max(at - y / slope, low), high)
-        if abs(y) > FAR:
+        if not low < at < high:
             return None
         after = channels(at, case.seconds, left, most=PIECES)
         off = math.log(max(after.values()) / case.strength)
