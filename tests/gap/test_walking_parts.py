@@ -224,6 +224,25 @@ def test_starts_settle_before_a_step_is_judged(monkeypatch):
     assert cost[SETTLING] < 0.8 * cost[0]
 
 
+def test_runs_that_diverge_say_nothing_and_spoil_nothing(monkeypatch):
+    """One segment diverges under every model, another on the way along one number: the fit goes where the others lead."""
+    replay, free, far = far_off()
+    begun, residual = start(replay, setting(free, far)).change, Replay.residual
+    lost, astray = 2, setting(free, far + 0.1 * free[0].sd * (np.arange(len(free)) == 0))
+
+    def diverging(self, change, settings, which, segment):
+        found = residual(self, change, settings, which, segment)
+        off = np.array([s == astray for s in settings])[which] & (segment == 5)
+        found[off | (segment == lost)] = np.inf
+        return found
+
+    monkeypatch.setattr(Replay, "residual", diverging)
+    found = fit(replay, free, far, (), begun, rounds=2)
+    assert np.isfinite(found.x).all()
+    others = np.arange(len(replay)) != lost
+    assert np.sum(found.residual[others] ** 2) < 0.8 * np.sum(start(replay, setting(free, far)).residual[others] ** 2)
+
+
 def test_settings_carry_every_free_number_once():
     candidate = Candidate("coulomb_friction", "sign", "swing")
     rest = {"stiffness": (0.5, 0.6), "damping": (0.03, 0.04), "inertia": (1.0, 2.0)}

@@ -8,12 +8,16 @@ import numpy as np
 
 
 class Eliminated:
-    """Slopes of segments with the starts eliminated: what is left of readings once each start has adapted."""
+    """Slopes of segments with the starts eliminated: what is left of readings once each start has adapted.
+
+    Segments whose runs diverged pull nowhere.
+    """
 
     def __init__(self, slopes: np.ndarray) -> None:
         """Args: slopes (s, c, 28)."""
         self._slopes = slopes
         self._gram = np.einsum("sci,scj->sij", slopes, slopes, optimize=True)
+        self._gram[~slopes.any((1, 2))] = np.eye(slopes.shape[2])  # diverged, whatever its start
 
     def normal(self, columns: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(P, P) and (P,) normal equations of columns (s, c, P) against residuals (s, c) of segments with weights (s,)."""
@@ -22,7 +26,7 @@ class Eliminated:
         weighted = (columns * weight[:, None, None]).reshape(-1, columns.shape[2])
         flat = columns.reshape(-1, columns.shape[2])
         hessian = flat.T @ weighted - across.reshape(-1, across.shape[2]).T @ solved.reshape(-1, across.shape[2])
-        gradient = weighted.T @ residual.ravel() - np.einsum("sip,si->p", solved, self._pull(residual))
+        gradient = weighted.T @ _finite(residual).ravel() - np.einsum("sip,si->p", solved, self._pull(residual))
         return hessian, gradient
 
     def starts(self, residual: np.ndarray, dampings: Sequence[float]) -> np.ndarray:
@@ -31,7 +35,11 @@ class Eliminated:
         return np.linalg.solve(self._gram + np.array(dampings)[:, None, None, None] * diagonal, self._pull(residual)[..., None])[..., 0]
 
     def _pull(self, residual: np.ndarray) -> np.ndarray:
-        return np.einsum("sci,sc->si", self._slopes, residual, optimize=True)
+        return np.einsum("sci,sc->si", self._slopes, _finite(residual), optimize=True)
+
+
+def _finite(residual: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(residual).all(1, keepdims=True), residual, 0.0)
 
 
 def bounded(hessian: np.ndarray, gradient: np.ndarray, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

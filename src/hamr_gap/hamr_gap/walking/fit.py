@@ -9,7 +9,7 @@ import numpy as np
 
 from ..parameters import Free
 from .eliminate import Eliminated, bounded
-from .replay import Replay, half_squares
+from .replay import Replay, chord, half_squares
 from .setting import ZEROS, Candidate, Setting, setting
 
 PROBE = 0.1  # of a parameter's prior, or of its scale where that is narrower: contacts bend what moves, and a chord leads further
@@ -48,7 +48,10 @@ class Fit:
 
 
 def weights(residual: np.ndarray) -> np.ndarray:
-    """(s,) of segments: what a model leaves counts as noise, so that priors hold while it is far off; the worst segments count less."""
+    """(s,) of segments: what a model leaves counts as noise, so that priors hold while it is far off; the worst segments count less.
+
+    One that diverges counts nothing.
+    """
     cost = half_squares(residual)
     usual = float(np.median(cost))
     return np.minimum(1.0, BAD * usual / cost) / max(1.0, 2.0 * usual / residual.shape[1])
@@ -65,7 +68,7 @@ def columns(
     shown = [k for k, f in enumerate(free) if k >= first and not f.row.startswith("zero.")]
     probed = replay.each(change, [setting(free, x + step[k] * (np.arange(len(free)) == k), effects) for k in shown])
     found = np.empty((*residual.shape, len(free)))
-    found[..., shown] = ((residual - probed) / step[shown, None, None]).transpose(1, 2, 0)
+    found[..., shown] = (chord(residual, probed) / step[shown, None, None]).transpose(1, 2, 0)
     if known is not None:
         found[..., :first] = known
     zeros = replay.zeros

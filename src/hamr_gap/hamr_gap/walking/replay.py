@@ -76,7 +76,7 @@ class Replay:
         s = len(self)
         lanes = (change[:, None] + PROBE * np.eye(CHANGES)).reshape(-1, CHANGES)
         probed = self.residual(lanes, [model], np.zeros(len(lanes), int), np.repeat(np.arange(s), CHANGES))
-        return ((residual[:, None] - probed.reshape(s, CHANGES, -1)) / PROBE).transpose(0, 2, 1)
+        return (chord(residual[:, None], probed.reshape(s, CHANGES, -1)) / PROBE).transpose(0, 2, 1)
 
     def suited(self, models: Sequence[Setting], ways: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residuals (m, s, readings + 28) and changes (m, s, 28) under models, of ways (m, d, s, 28) that which suits each segment."""
@@ -91,6 +91,12 @@ class Replay:
         lanes = np.arange(len(self))
         starts = moved(self.segments.starts, change * self.segments.sd)
         return self.robot.run(starts, self.observed.drives, [model], np.zeros_like(lanes), lanes).ends
+
+
+def chord(residual: np.ndarray, probed: np.ndarray) -> np.ndarray:
+    """What another run (..., c) takes off residuals (..., c); nothing where one of the two diverged, for it does not say where to go."""
+    ran = np.isfinite(residual).all(-1, keepdims=True) & np.isfinite(probed).all(-1, keepdims=True)
+    return np.subtract(residual, probed, out=np.zeros(np.broadcast_shapes(residual.shape, probed.shape)), where=ran)
 
 
 def half_squares(residual: np.ndarray) -> np.ndarray:

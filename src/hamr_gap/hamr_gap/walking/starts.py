@@ -100,8 +100,8 @@ def _stepped(replay: Replay, model: Setting, change: np.ndarray, rounds: int) ->
         ways = change[active] + linear.starts(residual[active], DAMPINGS)
         (left,), (tried,) = part.suited([model], ways[None])
         costs = half_squares(left)
-        gain = cost[active] - costs
-        better = gain > 0
+        better = costs < cost[active]
+        gain = np.subtract(cost[active], costs, out=np.zeros_like(costs), where=better)
         where = active[better]
         change[where], residual[where], cost[where] = tried[better], left[better], costs[better]
         active = active[gain > np.maximum(SETTLED, 0.01 * cost[active])]
