@@ -9,7 +9,7 @@ import pytest
 
 from hamr_gap.hypothesis import Hypothesis
 from hamr_gap.walking import analyse, search
-from hamr_gap.walking.setting import Candidate
+from hamr_gap.walking.setting import Candidate, Setting
 
 FLOOR, LEAST = 0.86, 0.25
 FRICTION, SLOPE, TETHER, LAG = (
@@ -75,3 +75,27 @@ def test_what_would_be_no_gap_alone_leaves_nothing_unknown(monkeypatch, best, wo
     monkeypatch.setattr(analyse, "search", lambda *_: state)
     monkeypatch.setattr(analyse, "_evidence", lambda state: (9.0, 9.0))
     assert analyse.analyse("simple", None).word == word
+
+
+def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeypatch):
+    state, fitted = searched(9.0), {}
+    state.base.fit.free = (None, None)
+    monkeypatch.setattr(search, "start", lambda replay, model: SimpleNamespace(change=model))
+
+    def fit(replay, free, x, effects, begun):
+        assert begun == Setting()
+        (own,) = effects
+        fitted[own.effect, own.place] = x[:2], [f.low < value < f.high for f, value in zip(free[2:], x[2:], strict=True)]
+
+    monkeypatch.setattr(search, "fit", fit)
+    search._outside(state)
+    assert {effect for effect, _ in fitted} == {
+        "added_mass",
+        "air_drag",
+        "gravity_tilt",
+        "ground_compliance",
+        "ground_friction",
+        "tether_force",
+    }
+    assert {place for _, place in fitted} == {"chassis", "all"}
+    assert all((robot == 0.0).all() and all(inside) for robot, inside in fitted.values())

@@ -8,13 +8,16 @@ from itertools import combinations
 
 import numpy as np
 
+from hamr_dynamics.effects.effects_file import OF_THE_CHASSIS
+
 from ..hypothesis import Hypothesis
-from .candidates import forms
+from ..parameters import Free
+from .candidates import PLACES, forms, kind
 from .fit import ROUNDS, Fit, fit
 from .left import left_of
 from .prepare import Prepared, prepare, settled
 from .screen import Screen, Solution
-from .setting import effect_parameters, setting
+from .setting import Candidate, Setting, effect_parameters, setting
 from .starts import best_start, start
 from .walk import Walk
 
@@ -25,6 +28,7 @@ KEPT, PAIRS, TOGETHER = 12, 3, 2  # singles of which pairs are made; pairs looke
 POLISHED, RIVAL, TIMES = 3, 1.5, 2  # how many are taken up again, that leave less than so many times what the best leaves; and how often
 SETTLING = 3  # times that the best may change hands by that
 ENOUGH = 0.03  # of the gap, that another effect must promise
+OUTSIDE = (*OF_THE_CHASSIS, "foot")  # what forms act on that are no part of a leg
 EDGE = 1e-3  # of a prior's width: a fit starts inside its bounds
 
 
@@ -78,7 +82,7 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
     seen = Screen(state.prepared.parts["fit"], state.base.fit, forms())
     singles = seen.singles()
     report("singles")
-    state.tried += [_judged(state, _fitted(state, seen, s)) for s in _best(state, seen, singles)]
+    state.tried += [_judged(state, found) for found in (*(_fitted(state, seen, s) for s in _best(state, seen, singles)), *_outside(state))]
     if state.base.left - state.best.left > state.prepared.least:
         _polish(state)
         report("sets of 2")
@@ -96,14 +100,33 @@ def _fitted(state: Search, seen: Screen, solution: Solution, *, brief: bool = Fa
     """
     about, effects, replay = seen.about, solution.effects, state.prepared.parts["fit"]
     own, screened = effect_parameters(effects), {c.row(p) for c in effects for p in c.law.parameters if p.shape or p.screen}
-    edge = EDGE * np.array([f.sd for f in own])
-    x = np.array([solution.values.get(f.row, f.center) if f.row in screened else f.center for f in own])
-    x = np.concatenate([about.x, np.clip(x, np.array([f.low for f in own]) + edge, np.array([f.high for f in own]) - edge)])
+    x = _inside(own, [solution.values.get(f.row, f.center) if f.row in screened else f.center for f in own])
+    x = np.concatenate([about.x, x])
     some = np.arange(0, len(replay), EACH if brief else 1)
     return fit(
         replay.some(some), [*about.free, *own], x, (*about.effects, *effects), about.change[some], seen.fixed[some],
         slopes=seen.slopes[some] if brief else None, rounds=BRIEF if brief else ROUNDS,
     )  # fmt: skip
+
+
+def _inside(own: Sequence[Free], x: Sequence[float]) -> np.ndarray:
+    """Free numbers strictly inside their bounds, where a fit starts."""
+    edge = EDGE * np.array([f.sd for f in own])
+    return np.clip(x, np.array([f.low for f in own]) + edge, np.array([f.high for f in own]) - edge)
+
+
+def _outside(state: Search) -> list[Fit]:
+    """What acts on the chassis and the feet, fitted for good from the model as given.
+
+    A re-tune without it takes it up with drives and springs, from where no step leads back; and it is little, and quick to simulate.
+    """
+    replay, free = state.prepared.parts["fit"], state.base.fit.free
+    begun, found = start(replay, Setting()).change, []
+    for c in (Candidate(effect, form.name, PLACES[kind(form)][0]) for effect, form in forms() if form.acts in OUTSIDE):
+        own = effect_parameters([c])
+        x = np.concatenate([np.zeros(len(free)), _inside(own, [f.center for f in own])])
+        found.append(fit(replay, [*free, *own], x, (c,), begun))
+    return found
 
 
 def _judged(state: Search, found: Fit) -> Hypothesis:
