@@ -92,11 +92,12 @@ CHANGED = {f"{kind}.{joint}": 1.2 for kind in ("stiffness", "damping", "drive_ga
     ("effects", "changes", "late", "share"),
     [((), CHANGED, 0, (0.0, 0.35)), ((), {}, 12, (0.0, 0.35)), ((("slope", {"slope": 0.2, "downhill": 0.5}),), CHANGED, 0, (0.9, 1.2))],
 )
-def test_a_re_tune_takes_up_parameters_and_lateness_and_leaves_a_slope(effects, changes, late, share):
+def test_a_re_tune_takes_up_parameters_and_lateness_and_leaves_a_slope(effects, changes, late, share, monkeypatch):
+    monkeypatch.setattr("hidden_gap.ground_retune.PIECES", 12)
     volts = CASE.volts()
     heard = np.concatenate([np.repeat(volts[:1], late, axis=0), volts[: len(volts) - late]])
     run = walked(tuple(_effect(name, **parameters) for name, parameters in effects), changes, heard)
-    given, after = max(shown(run, {}, volts, FLOORS).values()), max(left(run, {}, volts, FLOORS, most=12).values())
+    given, after = max(shown(run, {}, volts, FLOORS).values()), max(left(run, {}, volts, FLOORS).values())
     alone = max(shown(run, changes, volts, FLOORS).values()) if effects else given
     assert given > 2.0
     assert share[0] * alone < after < share[1] * alone
@@ -210,7 +211,7 @@ def test_what_shows_is_the_same_on_another_simulator(name, parameters):
 
 
 def test_a_case_has_its_strength_once_the_robot_is_tuned_again(monkeypatch):
-    monkeypatch.setattr("hidden_gap.ground.PIECES", 5)
+    monkeypatch.setattr("hidden_gap.ground_retune.PIECES", 5)
     case = draw("ground", 34, seconds=1.0)
     assert [effect.family for effect in case.effects] == [turn("ground", 34)]
     assert case.reached == max(case.channels.values()) == pytest.approx(case.strength, rel=0.101)

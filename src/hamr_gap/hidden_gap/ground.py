@@ -17,7 +17,7 @@ from .draw import parameter
 from .ground_bag import write
 from .ground_case import KINDS, GroundCase, conditions
 from .ground_laws import GroundLaw, families, laws_of
-from .ground_retune import PIECES, left
+from .ground_retune import left
 from .ground_strength import shown, walked
 from .laws import BOTH, LAWS, Law
 from .sizing import search
@@ -93,9 +93,9 @@ def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:
     def of(size: float) -> Effect:
         return replace(effect, parameters=effect.parameters | {law.size: math.exp(size)})
 
-    def channels(size: float, seconds: float, measured: Callable, **how) -> dict[str, float]:
+    def channels(size: float, seconds: float, measured: Callable) -> dict[str, float]:
         volts = case.volts(seconds)
-        return measured(walked((of(size),), case.changes, volts), case.changes, volts, case.floors, **how)
+        return measured(walked((of(size),), case.changes, volts), case.changes, volts, case.floors)
 
     x, slope, goal = math.log(effect.parameters[law.size]), 1.0, case.strength
     stages = ((min(BRIEF, case.seconds), TRIALS), (case.seconds, WHOLE_TRIALS))
@@ -109,9 +109,9 @@ def _sized(case: GroundCase, effect: Effect) -> GroundCase | None:
             x = min(max(at - y / slope, low), high)
         if not low < at < high:
             return None
-        after = channels(at, case.seconds, left, most=PIECES)
+        after = channels(at, case.seconds, left)
         off = math.log(max(after.values()) / case.strength)
         if abs(off) < AFTER:
             return replace(case, effects=(of(at),), channels=after, reached=max(after.values()))
-        goal, x, stages = goal * math.exp(-off), min(max(at - off / slope, low), high), stages[1:] or stages
+        goal, x, stages = goal * math.exp(-off), min(max(at - off / slope, low), high), stages[-1:]
     return None

@@ -27,64 +27,68 @@ PIECES, ROUNDS = 16, 2
 CHORD = 30.0
 #: Parameters of the robot, whose directions need runs.
 NAMES = tuple(f"{kind}.{joint}" for kind in STEPS for joint in JOINTS)
-IS_FACTOR = np.array([name.split(".")[0] in FACTORS for name in NAMES])
-LEEWAYS = np.array([LEEWAY.get(name.split(".")[0], FACTOR_LEEWAY) for name in NAMES])
+KINDS = tuple(name.split(".")[0] for name in NAMES)
+IS_FACTOR = np.array([kind in FACTORS for kind in KINDS])
+LEEWAYS = np.array([LEEWAY.get(kind, FACTOR_LEEWAY) for kind in KINDS])
 #: Gains and biases of the angles, zeros of the base, lateness.
 SENSORS = 2 * len(JOINTS) + 4
 #: Zeros of the base's sensors, as columns of BASE, and how far they may wander, in floors.
 ZEROS, ZERO_LEEWAY = tuple(BASE.index(f"{BASE_FRAME}_{name}") for name in ("z", "roll", "pitch")), 100.0
 
 
-def left(
-    run: Walk, changes: Mapping[str, float], volts: np.ndarray, floors: Floors, *, step: float = STEP, most: int = PIECES
-) -> dict[str, float]:  # fmt: skip
+def left(run: Walk, changes: Mapping[str, float], volts: np.ndarray, floors: Floors, *, step: float = STEP) -> dict[str, float]:
     """Rms of what the best tuned robot without effects leaves, channel by channel: JOINTS and BASE.
 
     Args:
         run: with effects, under `volts` (n, 8) V. changes: the robot's own, from which it is tuned. step: of the tuned robot, ms.
-        most: pieces looked at.
     """
-    pieces, start = Pieces.of(run, volts, floors, most), _coordinates(changes)
+    pieces, start = Pieces.of(run, volts, floors, PIECES), _coordinates(changes)
     own, at = len(start), np.concatenate([start, np.zeros(SENSORS)])
-    around, tried = at, []
+    around, sensors, tried = at, _sensors(pieces), []
     for k in range(ROUNDS + 1):
-        columns = _sensors(pieces, at[:own], step)
-        tried.append(_missed(pieces, at[:own], step).ravel() - columns @ at[own:])
+        here = _missed(pieces, at[:own], step)
+        columns = np.column_stack([sensors, _late(pieces, at[:own], here, step)])
+        tried.append(here - columns @ at[own:])
         if k < ROUNDS:
-            directions = Directions.of(np.hstack([_robot(pieces, at[:own], step), columns]), around)
+            directions = Directions.of(np.hstack([_robot(pieces, at[:own], here, step), columns]), around)
             _, at, _ = directions.step(tried[-1], at)
     return by_channel(min(tried, key=np.linalg.norm).reshape(len(pieces.qpos), -1))
 
 
-def _robot(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
-    """(readings, NAMES) floors per leeway of the robot's parameters."""
-    here, columns = _missed(pieces, at, step), []
-    for i, name in enumerate(NAMES):
-        away = CHORD * STEPS[name.split(".")[0]] / LEEWAYS[i]
-        columns.append((here - _missed(pieces, at + away * (np.arange(len(at)) == i), step)).ravel() / away)
+def _robot(pieces: Pieces, at: np.ndarray, here: np.ndarray, step: float) -> np.ndarray:
+    """(readings, NAMES) floors per leeway of the robot's parameters, about what is missed here (readings,)."""
+    columns = []
+    for i, kind in enumerate(KINDS):
+        away = CHORD * STEPS[kind] / LEEWAYS[i]
+        columns.append((here - _missed(pieces, at + away * (np.arange(len(at)) == i), step)) / away)
     return np.stack(columns, axis=1)
 
 
-def _sensors(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
-    """(readings, 20) likewise of gains and biases of the angles' sensors, zeros of the base's, and of voltages that come late."""
+def _late(pieces: Pieces, at: np.ndarray, here: np.ndarray, step: float) -> np.ndarray:
+    """(readings,) likewise of voltages that come late."""
+    samples = round(LEEWAY[TIME_SHIFT] / SERVO_MS)
+    held = np.concatenate([np.repeat(pieces.volts[:, :1], samples, axis=1), pieces.volts[:, :-samples]], axis=1)
+    return here - _missed(replace(pieces, volts=held), at, step)
+
+
+def _sensors(pieces: Pieces) -> np.ndarray:
+    """(readings, 19) likewise of gains and biases of the angles' sensors, and zeros of the base's."""
     angles, joints, axes = pieces.there[:, 1:, 7:] / pieces.floors.angle, np.eye(len(JOINTS)), np.eye(len(BASE))
     still, none = np.zeros((SEGMENT // EVERY // FRAME, len(BASE))), np.zeros_like(angles[0])
     columns = [np.array([flat(FACTOR_LEEWAY * each * one, still) for each in angles]) for one in joints]
     columns += [np.tile(flat(none + LEEWAY["bias"] / pieces.floors.angle * one, still), (len(angles), 1)) for one in joints]
     columns += [np.tile(flat(none, still + ZERO_LEEWAY * axes[axis]), (len(angles), 1)) for axis in ZEROS]
-    samples = round(LEEWAY[TIME_SHIFT] / SERVO_MS)
-    held = np.concatenate([np.repeat(pieces.volts[:, :1], samples, axis=1), pieces.volts[:, :-samples]], axis=1)
-    late = _missed(pieces, at, step) - _missed(replace(pieces, volts=held), at, step)
-    return np.stack([column.ravel() for column in (*columns, late)], axis=1)
+    return np.stack([column.ravel() for column in columns], axis=1)
 
 
 def _missed(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
     x = at * LEEWAYS
-    return pieces.missed(Walker(Scene(), dict(zip(NAMES, np.where(IS_FACTOR, np.exp(x), x).tolist(), strict=True)), step=step))
+    changes = dict(zip(NAMES, np.where(IS_FACTOR, np.exp(x), x).tolist(), strict=True))
+    return pieces.missed(Walker(Scene(), changes, step=step)).ravel()
 
 
 def _coordinates(changes: Mapping[str, float]) -> np.ndarray:
     """(NAMES,) changes in leeways, factors as logarithms."""
-    x = np.array([changes.get(name, neutral(name.split(".")[0])) for name in NAMES])
+    x = np.array([changes.get(name, neutral(kind)) for name, kind in zip(NAMES, KINDS, strict=True)])
     x[IS_FACTOR] = np.log(x[IS_FACTOR])
     return x / LEEWAYS
