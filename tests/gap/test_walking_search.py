@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hamr_gap.hypothesis import Hypothesis
-from hamr_gap.walking import analyse, search
+from hamr_gap.walking import analyse, candidates, screen, search
 from hamr_gap.walking.setting import Candidate, Setting
 
 FLOOR, LEAST = 0.86, 0.25
@@ -99,3 +99,11 @@ def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeyp
     }
     assert {place for _, place in fitted} == {"chassis", "all"}
     assert all((robot == 0.0).all() and all(inside) for robot, inside in fitted.values())
+
+
+def test_responses_are_chords_inside_what_a_size_may_be():
+    """Contact bends them: as long as a size may well be, and no longer than it can be."""
+    jobs = screen._jobs(candidates.forms())
+    sizes = [(values[column.size], next(p for p in candidate.law.sizes if p.name == column.size)) for column, candidate, values in jobs]
+    assert all(p.low < value < p.high for value, p in sizes)
+    assert all(value >= p.typical for value, p in sizes if not p.screen)

@@ -13,6 +13,7 @@ from dataclasses import asdict, fields
 import pytest
 
 from hamr_bringup.cli import COMMANDS
+from hamr_bringup.commands.train import Command as Train
 from hamr_bringup.commands.up import Command as Up
 from hamr_bringup.graph import Run
 from hamr_bringup.present import as_json_text, as_text
@@ -139,6 +140,11 @@ def test_result_for_people_is_a_table_and_lines():
     assert [line.split() for line in text.splitlines()] == [
         ["name", "value", "ok"], ["mass", "1.41", "yes"], ["sag", "-", "no"], ["ok:", "yes"],
     ]  # fmt: skip
+
+
+def test_a_trainings_curve_is_for_programs_only():
+    result = {"policy": "p.onnx", "curve": [[2048, 1.0]] * 500}
+    assert Train["policy"].text(None, result) == "policy: p.onnx\n"
 
 
 def test_json_takes_numpy_and_paths(tmp_path):

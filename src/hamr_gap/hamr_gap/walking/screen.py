@@ -19,7 +19,6 @@ from .replay import Replay
 from .setting import Candidate, Setting, setting
 
 LARGE = 3.0  # typical sizes, at which responses are taken: contacts bend them, and chords order names and places as tangents do not
-INSIDE = 0.5  # of the way to a size's bound, at most
 BATCH = 24  # models simulated at once
 WIDE = 30.0  # of typical sizes: the prior of a size
 
@@ -120,7 +119,7 @@ def _jobs(wanted: Sequence[tuple[str, Form]]) -> list[tuple[Column, Candidate, d
     found = []
     for effect, form in wanted:
         for own, unit, p in product(shapes_of(form), UNITS[kind(form)], form.sizes):
-            size = p.screen[0] if p.screen else min(LARGE * p.typical, INSIDE * p.high)
+            size = p.screen[0] if p.screen else LARGE * p.typical
             found.append((Column(effect, form.name, own, unit, p.name), Candidate(effect, form.name, unit), {p.name: size} | dict(own)))
     return found
 
