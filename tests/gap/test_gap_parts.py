@@ -20,10 +20,12 @@ from hamr_dynamics.effects.effects_file import PlacedEffect
 from hamr_gap import emit
 from hamr_gap.answer import answer, merged, place_of
 from hamr_gap.drives_bag import write_drives
+from hamr_gap.found import Found
 from hamr_gap.measured import FIELDS, read
 from hamr_gap.prepare import prepare
 from hamr_gap.progress import side_by_side
 from hamr_gap.table import fit_table
+from hamr_gap.together import together
 from hamr_gap.words import sentences
 
 STEP = 1e-3
@@ -93,7 +95,7 @@ def test_equal_names_of_several_legs_become_one():
     assert level["at"] == dict(zip(JOINTS[::2], (1.0, 2.0, 3.0, 9.0), strict=True))
 
 
-def verdict(name: str, *answers: tuple[str, float]) -> SimpleNamespace:
+def verdict(name: str, *answers: tuple[str, float]) -> Found:
     gap = {"raw": 3.0, "retuned": 2.0, "after": 1.0, "floor": 1.0, "per_channel": {}}
     found = [{"effects": [effect(e, 1.0)], "probability": p, "left": 0.0, "forms": {}} for e, p in answers]
     content = {
@@ -107,16 +109,17 @@ def verdict(name: str, *answers: tuple[str, float]) -> SimpleNamespace:
         "notes": [],
         "experiment": None,
     }
-    return SimpleNamespace(verdict=content, tried=[])
+    return Found(content, [], {}, {}, found)
 
 
 def test_the_common_factor_is_spoken_of_where_there_is_one():
     """Not of a single joint whose gain a record tells."""
     leg, arm = verdict("named", ("fl_swing", 0.95)), verdict("named", ("fl_swing", 0.95))
-    leg.verdict |= {"parameters": {"gain": {"fl_swing": {"value": 0.1}}}}
-    arm.verdict |= {"joints": ("arm",), "parameters": {"gain": {"arm": {"value": -0.2}}}}
-    cart = SimpleNamespace(verdict=arm.verdict | {"joints": ("cart",), "parameters": {"inertia": {"cart": {"value": 0.1}}}}, tried=[])
-    assert [len(answer({"own": found})["notes"]) for found in (leg, cart, arm)] == [1, 1, 0]
+    leg.verdict.update({"parameters": {"gain": {"fl_swing": {"value": 0.1}}}})
+    arm.verdict.update({"joints": ("arm",), "parameters": {"gain": {"arm": {"value": -0.2}}}})
+    cart = verdict("named", ("fl_swing", 0.95))
+    cart.verdict.update({"joints": ("cart",), "parameters": {"inertia": {"cart": {"value": 0.1}}}})
+    assert [len(answer({"own": found}, [])["notes"]) for found in (leg, cart, arm)] == [1, 1, 0]
 
 
 def test_of_an_unknown_law_what_comes_nearest_is_said():
@@ -130,8 +133,8 @@ def test_of_an_unknown_law_what_comes_nearest_is_said():
 
 
 def test_legs_answer_together_and_the_least_certain_one_sets_the_tone():
-    whole = answer({"fl": verdict("ambiguous", ("fl_swing", 0.6), ("fl_lift", 0.35)), "rl": verdict("named", ("rl_swing", 0.95)),
-                    "fr": verdict("no_significant_gap")})  # fmt: skip
+    founds = {"fl": verdict("ambiguous", ("fl_swing", 0.6), ("fl_lift", 0.35)), "rl": verdict("named", ("rl_swing", 0.95))}
+    whole = answer(*together(founds | {"fr": verdict("no_significant_gap")}))
     assert whole["verdict"] == "ambiguous"
     assert [a["effects"][0]["place"] for a in whole["set"]] == ["fl_swing, rl_swing", "fl_lift, rl_swing"]
     assert [a["probability"] for a in whole["set"]] == pytest.approx([0.57, 0.3325])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from .record import Record
 from .roles import mask
 from .search import Search, noise_floor
 from .searched import searched
-from .stated import changes_of, degenerate, effects_of, gap_of, poor
+from .stated import Stated, degenerate, poor, stated
 from .unexplained import structural
 from .verdict import Answer, Verdict
 from .weigh import Weight, credible, weigh
@@ -30,16 +30,25 @@ SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many name
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
 SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
 SHARE = 0.25  # of a gap, that the best of all names must explain, or the gap has another cause
+NOT_REFUTED = 0.975  # of probability, that answers hold which other machines built alike may speak for
 SELDOM = 2.0  # how many times surer a likelihood ratio must be, which trusts its noise, than t over blocks, which does not
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """A verdict and all that led to it, for reports."""
+    """A verdict and all that led to it, for reports.
+
+    Attributes:
+        chosen: the verdict's set, settled. beyond: what is less probable than these, but holds `NOT_REFUTED` together with them.
+        said: the best and the chosen in SI.
+    """
 
     prepared: Prepared
     search: Search
     weights: list[Weight]
+    chosen: list[Weight]
+    beyond: list[Weight]
+    said: dict[Hypothesis, Stated]
     best: Hypothesis
     verdict: Verdict
     evidence: tuple[float, float]
@@ -65,18 +74,21 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     explained = prepared.base.left - state.best.left
     named = explained > max(least, SHARE * (prepared.base.left - state.floor)) and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
     if not named and structural(prepared.weighed, prepared.judged, prepared.base.fit):
-        verdict, best, chosen = "unknown", state.best, [Weight(None, 1.0, 1.0)]
+        verdict, best, chosen, beyond = "unknown", state.best, [Weight(None, 1.0, 1.0)], []
     elif not named:
-        verdict, best, chosen = _nothing(prepared), prepared.base, []
+        verdict, best, chosen, beyond = _nothing(prepared), prepared.base, [], []
     else:
         chosen = credible(weights)
+        beyond = credible(weights, NOT_REFUTED)[len(chosen) :]
         best = next((w.hypothesis for w in weights if w.hypothesis is not None), state.best)
         verdict = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
     report("intervals")
-    wanted = dict.fromkeys((best, *(w.hypothesis for w in chosen if w.hypothesis)))
-    stated = {h: settled(prepared.weighed, prepared.judged, h) for h in wanted}
-    best, chosen = stated[best], [replace(w, hypothesis=stated.get(w.hypothesis)) for w in chosen]
-    return Analysis(prepared, state, weights, best, _state(verdict, prepared, state, chosen, best), evidence)
+    fitted = dict.fromkeys((best, *(w.hypothesis for w in chosen if w.hypothesis)))
+    fitted = {h: settled(prepared.weighed, prepared.judged, h) for h in fitted}
+    best, chosen = fitted[best], [replace(w, hypothesis=fitted.get(w.hypothesis)) for w in chosen]
+    said = {h: stated(prepared, h) for h in fitted.values()}
+    whole = _state(verdict, prepared, state, chosen, said, said[best])
+    return Analysis(prepared, state, weights, chosen, beyond, said, best, whole, evidence)
 
 
 def _evidence(prepared: Prepared, state: Search) -> tuple[float, float]:
@@ -105,21 +117,27 @@ def _nothing(prepared: Prepared) -> str:
     return "parameters_only" if better(blocks, prepared.base.blocks) > SIGNIFICANT else "no_significant_gap"
 
 
-def _state(verdict: str, prepared: Prepared, state: Search, chosen: list[Weight], best: Hypothesis) -> Verdict:
+def _state(
+    verdict: str, prepared: Prepared, state: Search, chosen: list[Weight], said: Mapping[Hypothesis, Stated], best: Stated,
+) -> Verdict:  # fmt: skip
     model = prepared.weighed.model
     machine, record = model.machine, model.record
     least = 0.5 * model.mean * SMALLEST**2 * float(prepared.weighed.chosen.sum())
-    answers = tuple(
-        Answer(effects_of(prepared, w.hypothesis), w.probability, w.left, _forms(state, w.hypothesis)) if w.hypothesis
-        else Answer((), w.probability, w.left) for w in chosen
-    )  # fmt: skip
+    answers = tuple(answer_of(state, w, said.get(w.hypothesis)) for w in chosen)
     silent = {name: why for name in library() if (why := missing(name, machine, record)) and why != "it is no name"}
     return Verdict(
-        machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=changes_of(prepared, best.fit),
-        gap=gap_of(prepared, best), where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
+        machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=best.parameters,
+        gap=best.gap, where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
         detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None,
         notes=(*poor(prepared), *degenerate(answers)),
     )  # fmt: skip
+
+
+def answer_of(state: Search, weight: Weight, said: Stated | None) -> Answer:
+    """An answer of a set; None: a law outside the library."""
+    if said is None:
+        return Answer((), weight.probability, weight.left)
+    return Answer(said.effects, weight.probability, weight.left, _forms(state, weight.hypothesis))
 
 
 def _forms(state: Search, answer: Hypothesis) -> dict[str, float]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
-from math import prod
 
 import numpy as np
 
@@ -12,25 +10,25 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.effects.places import WORDS
 
 from .found import Found
+from .together import Combination
 from .verdict import VERDICTS
-from .weigh import COVERAGE
 
-MOST = 12  # answers in a set
 SCALE_NOTE = (
     "Drive and angle fix inertia, stiffness, damping and gain only up to one common factor: a weaker drive and a leg that is heavier, "
     "stiffer and more damped look the same; a known added mass or a load cell tells them apart."
 )
 
 
-def answer(founds: Mapping[str, Found], refused: Mapping[str, str] | None = None) -> dict:
+def answer(founds: Mapping[str, Found], combinations: Sequence[Combination], refused: Mapping[str, str] | None = None) -> dict:
     """One answer.
 
     Args:
-        founds: by machine. refused: machine or bag -> why nothing can be said about it, in one sentence.
+        founds, combinations: of `together`. refused: machine or bag -> why nothing can be said about it, in one sentence.
 
     Returns:
-        verdict: that of the machine about which least is sure. set: [{effects: [{effect, form, place, parameters}], probability}], of all
-        machines together, equal names merged. parameters: the re-tune. gap: rms in floors, over all machines, and per channel in SI.
+        verdict: that of the machine about which least is sure, or of all together where each misses something.
+        set: [{effects: [{effect, form, place, parameters}], probability}], of all machines together, equal names merged.
+        parameters: the re-tune. gap: rms in floors, over all machines, and per channel in SI.
         where, not_observable, experiment, notes; machines: each one's own verdict; refused.
     """
     own = {name: found.verdict for name, found in founds.items()}
@@ -38,8 +36,8 @@ def answer(founds: Mapping[str, Found], refused: Mapping[str, str] | None = None
     told = all(len(v["joints"]) == 1 and "gain" in v["parameters"] for v in own.values())  # a single joint's, where it is free at all
     experiments = {name: v["experiment"] for name, v in own.items() if v["experiment"]}
     return {
-        "verdict": max((v["verdict"] for v in own.values()), key=VERDICTS.index),
-        "set": _joint_set([v["set"] for v in own.values() if v["set"]]),
+        "verdict": _verdict(founds, combinations),
+        "set": [_combined(founds, c) for c in combinations],
         "parameters": [
             {"name": name, "joint": joint, **estimate}
             for v in own.values() for name, joints in v["parameters"].items() for joint, estimate in joints.items()
@@ -82,23 +80,20 @@ def merged(effects: Sequence[Mapping]) -> list[dict]:
     return result
 
 
-def _joint_set(sets: Sequence[Sequence[Mapping]]) -> list[dict]:
-    """Combinations of the machines' answers, most probable first, until they hold the coverage. An answer without effects is "unknown"."""
-    if not sets:
-        return []
-    every = sorted(product(*sets), key=lambda some: -prod(a["probability"] for a in some))
-    chosen, held = [], 0.0
-    for some in every[:MOST]:
-        p = prod(a["probability"] for a in some)
-        unknown = [i for i, a in enumerate(some) if not a["effects"]]
-        chosen.append(
-            {"effects": merged([e for a in some for e in a["effects"]]), "probability": p, "unknown": len(unknown)}
-            | {"forms": {form: left for a in some for form, left in a["forms"].items()}}
-        )
-        held += p
-        if held >= COVERAGE:
-            break
-    return chosen
+def _verdict(founds: Mapping[str, Found], combinations: Sequence[Combination]) -> str:
+    if not combinations or len(combinations[0].numbers) < len(founds):
+        return max((f.verdict["verdict"] for f in founds.values()), key=VERDICTS.index)
+    first = (founds[name].answers[k] for name, k in combinations[0].numbers.items())
+    return "unknown" if not all(a["effects"] for a in first) else "named" if len(combinations) == 1 else "ambiguous"
+
+
+def _combined(founds: Mapping[str, Found], combination: Combination) -> dict:
+    """The machines' answers as one. An answer without effects is "unknown"."""
+    answers = [founds[name].answers[k] for name, k in combination.numbers.items()]
+    return {
+        "effects": merged([e for a in answers for e in a["effects"]]), "probability": combination.probability,
+        "unknown": sum(not a["effects"] for a in answers), "forms": {form: left for a in answers for form, left in a["forms"].items()},
+    }  # fmt: skip
 
 
 def _gap(gaps: Sequence[Mapping]) -> dict:

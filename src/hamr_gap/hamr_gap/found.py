@@ -12,15 +12,16 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
-from .analyse import Analysis, analyse
+from .analyse import Analysis, analyse, answer_of
 from .experiment import propose
-from .hypothesis import Hypothesis
+from .hypothesis import Hypothesis, settled
 from .parameters import Candidate
+from .prepare import Prepared
 from .record import Record
 from .sensors import Sensors
-from .stated import changes_of, effects_of, gap_of
+from .stated import stated
 from .table import fit_table
-from .weigh import floor_of
+from .weigh import Weight, floor_of
 
 #: The same machine in four states: as given, re-tuned, with the effect, and re-tuned likewise but with the effect taken out again.
 STATES = ("raw", "retuned", "after", "removed")
@@ -35,14 +36,30 @@ class Found:
         verdict: `verdict.Verdict` as plain values, and `added`: the effects that close the gap (those of the first answer, or a table).
         tried: [{"effects", "count", "left"}], what each name left of the gap, least first.
         simulation: substeps, mean, held and step of the simulation it rests on.
-        arrays: `rows.STATE` (R,) lane parameters; `bias.STATE`, `gain.STATE` (C,), `shift.STATE` ();
+        arrays: `rows.STATE` (R,) lane parameters; `bias.STATE`, `gain.STATE` (C,), `shift.STATE` (); the same of the k-th answer,
+            where it has effects, with `.k` behind;
             `report` (n,) readings that nothing has used; `experiment` (m, joints) drives that would decide, if ambiguous.
+        answers: those of the verdict's set, and behind them less probable ones, for which other machines that are built alike may
+            speak; each that has effects with its own `parameters` and `gap`.
     """
 
     verdict: dict
     tried: list[dict]
     simulation: dict
     arrays: dict[str, np.ndarray]
+    answers: list[dict]
+
+    def led_by(self, k: int) -> Found:
+        """The same with the k-th answer, which has effects, as the first of the set."""
+        if k == 0:
+            return self
+        own = self.answers[k]
+        plain = {key: x for key, x in own.items() if key not in ("parameters", "gap")}
+        others = [x for i, x in enumerate(self.verdict["set"]) if i != k]
+        verdict = self.verdict | {"verdict": "ambiguous", "set": [plain, *others], "added": own["effects"]}
+        verdict |= {key: own[key] for key in ("parameters", "gap")}
+        arrays = {name: self.arrays.get(f"{name}.{k}", array) for name, array in self.arrays.items()}
+        return replace(self, verdict=verdict, arrays=arrays)
 
     def sensors(self, state: str) -> Sensors:
         """The sensors' part of a state."""
@@ -53,7 +70,7 @@ class Found:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "found.json").unlink(missing_ok=True)
         np.savez_compressed(folder / "found.npz", **self.arrays)
-        content = {"key": key, "verdict": self.verdict, "tried": self.tried, "simulation": self.simulation}
+        content = {"key": key} | {name: getattr(self, name) for name in ("verdict", "tried", "simulation", "answers")}
         (folder / "found.part").write_text(json.dumps(content))
         (folder / "found.part").rename(folder / "found.json")
 
@@ -80,22 +97,41 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
         BagError: as of `analyse`.
     """
     analysis = analyse(machine, record, report)
-    verdict, best = analysis.verdict, analysis.best
+    prepared, verdict, best = analysis.prepared, analysis.verdict, analysis.best
+    first = analysis.said[best]
     if verdict.verdict == "unknown":
         report("table")
-        best = fit_table(analysis.prepared)
-        verdict = replace(verdict, gap=gap_of(analysis.prepared, best), parameters=changes_of(analysis.prepared, best.fit))
-        added = effects_of(analysis.prepared, best)
-    else:
-        added = verdict.set[0].effects if verdict.set else ()
-    arrays = _arrays(analysis, best)
+        best = fit_table(prepared)
+        first = stated(prepared, best)
+        verdict = replace(verdict, gap=first.gap, parameters=first.parameters)
+    arrays = {"report": prepared.roles.report} | _states(prepared, best)
+    weights = [*analysis.chosen, *(_settled(analysis, w) for w in analysis.beyond)]
+    for k, weight in enumerate(weights):
+        if weight.hypothesis:
+            arrays |= {f"{name}.{k}": array for name, array in _states(prepared, weight.hypothesis).items()}
     if verdict.verdict == "ambiguous":
         report("experiment")
         if decided := decides(analysis, seed=seed):
-            said, arrays["experiment"] = decided
-            verdict = replace(verdict, experiment=said)
-    content = json.dumps(asdict(verdict) | {"added": [asdict(effect) for effect in added]})
-    return Found(json.loads(content), _tried(analysis), _simulation(analysis), arrays)
+            sentence, arrays["experiment"] = decided
+            verdict = replace(verdict, experiment=sentence)
+    content = asdict(verdict) | {"added": [asdict(effect) for effect in first.effects]}
+    content, answers = json.loads(json.dumps([content, [_answer(analysis, weight) for weight in weights]]))
+    return Found(content, _tried(analysis), _simulation(analysis), arrays, answers)
+
+
+def _settled(analysis: Analysis, weight: Weight) -> Weight:
+    h = weight.hypothesis
+    return weight if h is None else replace(weight, hypothesis=settled(analysis.prepared.weighed, analysis.prepared.judged, h))
+
+
+def _answer(analysis: Analysis, weight: Weight) -> dict:
+    """An answer as plain values, with its own parameters and gap where it has effects."""
+    h = weight.hypothesis
+    if h is None:
+        return asdict(answer_of(analysis.search, weight, None))
+    said = analysis.said.get(h) or stated(analysis.prepared, h)
+    own = asdict(said)
+    return asdict(answer_of(analysis.search, weight, said)) | {key: own[key] for key in ("parameters", "gap")}
 
 
 def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | None:
@@ -139,8 +175,8 @@ def _simulation(analysis: Analysis) -> dict:
     }  # fmt: skip
 
 
-def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:
-    prepared = analysis.prepared
+def _states(prepared: Prepared, best: Hypothesis) -> dict[str, np.ndarray]:
+    """Lane parameters and sensors of all states, as in `Found.arrays`."""
     model, base = prepared.weighed.model, prepared.base.fit
     off = {row for c in best.effects for row, _ in c.rows(shape=False)}
     nothing = replace(Sensors.none(len(model.own)), shift=-model.delay)
@@ -150,8 +186,7 @@ def _arrays(analysis: Analysis, best: Hypothesis) -> dict[str, np.ndarray]:
     }  # fmt: skip
     sensors = {"raw": nothing, "retuned": base.sensors, "after": best.fit.sensors, "removed": best.fit.sensors}
     rows = {state: model.rows(*x[state])[0] for state in STATES}
-    found = {"report": prepared.roles.report}
-    for state in STATES:
-        s = sensors[state]
-        found |= {f"rows.{state}": rows[state], f"bias.{state}": s.bias, f"gain.{state}": s.gain, f"shift.{state}": np.array(s.shift)}
-    return found
+    return {
+        f"{name}.{state}": value for state, s in sensors.items()
+        for name, value in (("rows", rows[state]), ("bias", s.bias), ("gain", s.gain), ("shift", np.array(s.shift)))
+    }  # fmt: skip

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import CHANGES
 
-from .fit import Fit
 from .hypothesis import Hypothesis, residual
 from .interval import intervals
 from .parameters import Candidate
@@ -18,43 +18,42 @@ from .si import channel_si, si_of
 from .verdict import Answer, Estimate, Gap, NamedEffect
 
 
-def effects_of(prepared: Prepared, h: Hypothesis) -> tuple[NamedEffect, ...]:
-    """A hypothesis' effects with their parameters in SI."""
-    machine = prepared.weighed.model.machine
-    bounds = dict(zip((f.row for f in h.fit.free), intervals(prepared.weighed, h.fit), strict=True))
-    values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
-    scales = prepared.weighed.model.scales
+@dataclass(frozen=True)
+class Stated:
+    """A hypothesis in SI: its effects, its parameter changes (name -> joint -> change), and the gap with it."""
+
+    effects: tuple[NamedEffect, ...]
+    parameters: dict[str, dict[str, Estimate]]
+    gap: Gap
+
+
+def stated(prepared: Prepared, h: Hypothesis) -> Stated:
+    """A hypothesis with intervals, and the gap it leaves on the judged readings."""
+    machine, scales = prepared.weighed.model.machine, prepared.weighed.model.scales
+    each = zip(h.fit.free, h.fit.x, intervals(prepared.weighed, h.fit), strict=True)
+    found = {f.row: np.array([x, *bounds]) for f, x, bounds in each}
+
+    def estimate(row: str, dimension: str) -> Estimate:
+        factor, unit = si_of(dimension, machine)
+        return Estimate(*(found[row] * factor * scales.of(dimension)).tolist(), unit)
 
     def effect(c: Candidate) -> NamedEffect:
         parameters: dict[str, dict[str, Estimate]] = {}
         for place in c.places:
-            where_ = machine.joints[place] if c.law.acts != "pair" else "both"
+            where = machine.joints[place] if c.law.acts != "pair" else "both"
             for p in c.law.parameters:
-                row = c.row(p, place)
-                factor, unit = si_of(p.dimension, machine)
-                factor *= scales.of(p.dimension)
-                low, high = bounds[row]
-                parameters.setdefault(p.name, {})[where_] = Estimate(values[row] * factor, low * factor, high * factor, unit)
+                parameters.setdefault(p.name, {})[where] = estimate(c.row(p, place), p.dimension)
         return NamedEffect(c.effect, c.form, tuple(machine.joints[j] for j in c.joints), parameters)
 
-    return tuple(effect(c) for c in h.effects)
+    changes: dict[str, dict[str, Estimate]] = {}
+    for row in found:
+        if row.startswith("change."):
+            _, name, joint = row.split(".")
+            changes.setdefault(name, {})[machine.joints[int(joint)]] = estimate(row, CHANGES[name])
+    return Stated(tuple(effect(c) for c in h.effects), changes, _gap_of(prepared, h))
 
 
-def changes_of(prepared: Prepared, found: Fit) -> dict[str, dict[str, Estimate]]:
-    """A fit's parameter changes in SI."""
-    machine, scales = prepared.weighed.model.machine, prepared.weighed.model.scales
-    bounds = intervals(prepared.weighed, found)
-    result: dict[str, dict[str, Estimate]] = {}
-    for f, x, (low, high) in zip(found.free, found.x, bounds, strict=True):
-        if f.row.startswith("change."):
-            _, name, joint = f.row.split(".")
-            factor, unit = si_of(CHANGES[name], machine)
-            factor *= scales.of(CHANGES[name])
-            result.setdefault(name, {})[machine.joints[int(joint)]] = Estimate(x * factor, low * factor, high * factor, unit)
-    return result
-
-
-def gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
+def _gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
     """Gaps on the judged readings, in noise of one sample; per channel in SI."""
     weighed = prepared.weighed
     model, mean = weighed.model, weighed.model.mean

@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -26,6 +26,7 @@ from .overlay import write_overlay
 from .record import Record
 from .report import write_report
 from .show import closed, show
+from .together import together
 
 NAMED, HASH, VERDICT = "named.json", "verdict.sha256", "verdict.json"
 EFFECTS, REPORT, OVERLAY, EXPERIMENT = "effects.yaml", "report.html", "overlay", "experiment"
@@ -82,7 +83,9 @@ def conclude(
         legs: whether the machines are HAMR's legs, by their names: every backend takes their effects file, and a bag holds the angles.
     """
     out.mkdir(parents=True, exist_ok=True)
-    named = answer({name: part.found for name, part in parts.items()}, refused)
+    founds, combinations = together({name: part.found for name, part in parts.items()})
+    parts = {name: replace(part, found=founds[name]) for name, part in parts.items()}
+    named = answer(founds, combinations, refused)
     if legs and (drives := {name: x for name, part in parts.items() if len(x := part.found.arrays.get("experiment", ()))}):
         write_drives(drives, {name: parts[name].record for name in drives}, out / EXPERIMENT)
         for name in drives:
@@ -90,7 +93,7 @@ def conclude(
     text = json.dumps(named, indent=1) + "\n"
     (out / NAMED).write_text(text)
     (out / HASH).write_text(f"{hashlib.sha256(text.encode()).hexdigest()}  {NAMED}\n")
-    _write_effects([part.found for part in parts.values()], out / EFFECTS, legs=legs)
+    _write_effects(list(founds.values()), out / EFFECTS, legs=legs)
 
     records = holdout() if holdout else {name: part.record for name, part in parts.items()}
     shown, pictures = {}, {}

@@ -106,12 +106,12 @@ def _special(few: frozenset, names: frozenset) -> bool:
     return (simple == wide or simple in library()[wide].contains) and set(joints) <= set(all_joints)
 
 
-def credible(weights: Sequence[Weight]) -> list[Weight]:
-    """The smallest set of the most probable that holds `COVERAGE`."""
+def credible(weights: Sequence[Weight], coverage: float = COVERAGE) -> list[Weight]:
+    """The smallest set of the most probable that holds some coverage."""
     total, chosen = 0.0, []
     for w in weights:
         chosen.append(w)
         total += w.probability
-        if total >= COVERAGE:
+        if total >= coverage:
             break
     return chosen

@@ -24,7 +24,7 @@ from ..hypothesis import Hypothesis, refine, residual, settled, starts
 from ..legs import machine_of, record_of
 from ..prepare import Prepared, prepare
 from ..search import Search, search
-from ..stated import effects_of
+from ..stated import stated
 from .cases import case_of, recorded, samples_of
 
 SHOWN = 8  # rivals that are written down
@@ -51,7 +51,7 @@ def ideal(case: Case) -> dict:
     rivals = sorted(([said(h), _apart(prepared, h, noise)] for h in best.values()), key=lambda rival: rival[1])
     best_of = {h.effects: h for h in sorted(own, key=lambda h: -h.fit.cost)}  # of several fits of one form the best counts
     last = [settled(prepared.weighed, prepared.judged, h) for h in best_of.values()]
-    forms = {" + ".join(c.form for c in h.effects): [asdict(e) for e in effects_of(prepared, h)] for h in last}
+    forms = {" + ".join(c.form for c in h.effects): [asdict(e) for e in stated(prepared, h).effects] for h in last}
     return {"rivals": rivals[:SHOWN], "forms": forms}
 
 

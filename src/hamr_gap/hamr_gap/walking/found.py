@@ -60,7 +60,7 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
     )  # fmt: skip
     added = answers[0].effects if found.word in ("named", "ambiguous") else ()
     content = json.loads(json.dumps(asdict(verdict) | {"added": [asdict(e) for e in added]}))
-    return Found(content, _tried(state), _simulation(state, best), {})
+    return Found(content, _tried(state), _simulation(state, best), {}, content["set"])
 
 
 def model_of(found: Found, state: str) -> Setting:

@@ -16,6 +16,7 @@ from ..found import STATES, Found
 from ..report import write_report
 from ..show import closed
 from ..study import EFFECTS, HASH, NAMED, REPORT, VERDICT
+from ..together import together
 from .bags import read
 from .found import ROBOT, by_channel, find, model_of, robot_of
 from .found import effects_file as found_effects
@@ -54,7 +55,7 @@ def study(backend: str, walk: Walk, out: Path, *, holdout: Callable[[], Walk] | 
           report: Callable[[str], None] = lambda _: None) -> dict:  # fmt: skip
     """The same for what was measured already; `holdout` is called after the answer's hash is written."""
     found = _stored(backend, walk, out, report)
-    named = answer({ROBOT: found})
+    named = answer(*together({ROBOT: found}))
     named["notes"] = [note for note in named["notes"] if not note.startswith(DROPPED)]
     text = json.dumps(named, indent=1) + "\n"
     (out / NAMED).write_text(text)
