@@ -17,7 +17,7 @@ from .kernels import load_source
 from .machine import Machine
 from .machine_stages import arrays, parts
 
-LANES = 4  # of a block: a vector of doubles; more share more laws that only some of them use, and a run alone pays for all
+LANES = 8  # of a block: twice a vector of doubles, since one waits for itself; more share more laws that only some of them use
 
 RUN = """
 

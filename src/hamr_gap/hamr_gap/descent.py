@@ -57,7 +57,7 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
     runs = Corrected(weighed, free, x, run)
     for _ in range(steps if n else 0):
         sensors = weighed.sensors(s)
-        derivatives = jacobian(weighed, free, x, run, sensors, runs.near, delta=delta)
+        derivatives = jacobian(weighed, free, x, run, sensors, runs.beside, delta=delta)
         residual = target - weighed.vector(sensors.read(run, model.reading_step, model.starts))
         doubt = weighed.doubt(residual)
         own = np.append(s[:-1], 0.0)  # the shift has no prior
