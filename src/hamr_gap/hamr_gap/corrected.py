@@ -50,6 +50,11 @@ class Corrected:
         self._added = self._added + (fine - near)
         return fine
 
+    @property
+    def finest(self) -> bool:
+        """Whether nothing is left to refine."""
+        return self._coarse is None
+
     def refine(self) -> None:
-        """Fine steps from now on, but for what is `beside`."""
-        self.exact = True
+        """Fine steps from now on: of what is `near`, and when told again of what is `beside` too."""
+        self._coarse, self.exact = None if self.exact else self._coarse, True

@@ -86,7 +86,12 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
             runs.refine()
             continue
         if gained < tolerance * cost or gained < LEAST:
-            if foreseen < FORESEEN * cost or delta == DELTAS[-1]:
+            if foreseen < FORESEEN * cost:
+                break
+            if runs.exact and not runs.finest:
+                runs.refine()
+                continue
+            if delta == DELTAS[-1]:
                 break
             delta = DELTAS[DELTAS.index(delta) + 1]
     return Point(x, run, s, cost)
