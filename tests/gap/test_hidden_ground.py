@@ -22,7 +22,8 @@ from hidden_gap.ground_bag import seen
 from hidden_gap.ground_laws import GROUND_LAWS, OF_LEGS, Scene, families, laws_of, scene
 from hidden_gap.ground_machine import Walker
 from hidden_gap.ground_retune import left
-from hidden_gap.ground_strength import SEGMENT, Floors, shown, walked
+from hidden_gap.ground_starts import STARTS, moved, settled
+from hidden_gap.ground_strength import SEGMENT, Floors, Pieces, shown, walked
 from hidden_gap.laws import LAWS
 
 TROT = {"kind": "trot", "seconds": 1.0, "frequency_hz": 10.0, "amplitude": 60.0}
@@ -90,10 +91,14 @@ CHANGED = {f"{kind}.{joint}": 1.2 for kind in ("stiffness", "damping", "drive_ga
 
 @pytest.mark.parametrize(
     ("effects", "changes", "late", "share"),
-    [((), CHANGED, 0, (0.0, 0.35)), ((), {}, 12, (0.0, 0.35)), ((("slope", {"slope": 0.2, "downhill": 0.5}),), CHANGED, 0, (0.9, 1.2))],
-)
-def test_a_re_tune_takes_up_parameters_and_lateness_and_leaves_a_slope(effects, changes, late, share, monkeypatch):
-    monkeypatch.setattr("hidden_gap.ground_retune.PIECES", 12)
+    [
+        ((), CHANGED, 0, (0.0, 0.25)), ((), {}, 12, (0.0, 0.25)), ((("slope", {"slope": 0.2, "downhill": 0.5}),), CHANGED, 0, (0.05, 0.5)),
+        ((("other_surface", {"change": 0.7, "side": -1.0}),), {}, 0, (0.5, 1.0)),
+    ],
+)  # fmt: skip
+def test_a_re_tune_takes_up_parameters_lateness_and_most_of_a_slope_but_no_other_surface(effects, changes, late, share, monkeypatch):
+    """A slope is preloads, zeros, and starts within what sensors tell."""
+    monkeypatch.setattr("hidden_gap.ground_retune.PIECES", 5)
     volts = CASE.volts()
     heard = np.concatenate([np.repeat(volts[:1], late, axis=0), volts[: len(volts) - late]])
     run = walked(tuple(_effect(name, **parameters) for name, parameters in effects), changes, heard)
@@ -101,6 +106,19 @@ def test_a_re_tune_takes_up_parameters_and_lateness_and_leaves_a_slope(effects, 
     alone = max(shown(run, changes, volts, FLOORS).values()) if effects else given
     assert given > 2.0
     assert share[0] * alone < after < share[1] * alone
+
+
+def test_where_a_piece_begins_is_known_no_better_than_its_sensors():
+    """A robot that began within their errors is settled onto the one that did not."""
+    pieces = Pieces.of(walked((), {}, CASE.volts()), CASE.volts(), FLOORS, 3)
+    robot, away = Walker(Scene(), {}), np.random.default_rng(0).normal(0.0, 0.3, (3, STARTS))
+    other, none = moved(pieces, away), np.zeros((3, STARTS))
+    np.testing.assert_allclose(np.linalg.norm(other.qpos[:, 3:7], axis=1), 1.0, rtol=1e-9)
+    before, nothing = other.missed(robot), np.zeros_like(pieces.missed(robot))
+    back = settled(other, robot, nothing, none)
+    after = moved(other, back).missed(robot)
+    assert np.sqrt(np.mean(after**2)) < 0.35 * np.sqrt(np.mean(before**2))
+    np.testing.assert_allclose(settled(pieces, robot, nothing, none), none, atol=1e-3)  # which begins where the run was
 
 
 def test_half_the_step_shows_less_than_half_a_floor_on_average():

@@ -1,7 +1,8 @@
-"""What is left of a walk once the robot without effects is tuned again, within 20 ms from the same states, in floors of the sensor noise.
+"""What is left of a walk once the robot without effects is tuned again, within 20 ms, in floors of the sensor noise.
 
 Tuned as a leg is (`retune`): drive gain, stiffness, damping, inertia and preload of each joint, its sensor's gain and bias, and one
-common time shift; and the zeros of the chassis's height, roll and pitch.
+common time shift; and the zeros of the chassis's height, roll and pitch. Pieces begin in the hidden robot's own states, or in others
+that the sensors could not have told from these.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from hamr_description.rates import SERVO_MS
 
 from .ground_laws import Scene
 from .ground_machine import EVERY, STEP, Walk, Walker
+from .ground_starts import STARTS, Starts, beside, moved, settled
 from .ground_strength import BASE, FRAME, SEGMENT, Floors, Pieces, by_channel, flat
 from .machine import FACTORS, TIME_SHIFT, neutral
 from .retune import FACTOR_LEEWAY, LEEWAY, STEPS, Directions
@@ -42,49 +44,55 @@ def left(run: Walk, changes: Mapping[str, float], volts: np.ndarray, floors: Flo
     Args:
         run: with effects, under `volts` (n, 8) V. changes: the robot's own, from which it is tuned. step: of the tuned robot, ms.
     """
-    pieces, start = Pieces.of(run, volts, floors, PIECES), _coordinates(changes)
-    own, at = len(start), np.concatenate([start, np.zeros(SENSORS)])
-    around, sensors, tried = at, _sensors(pieces), []
+    given, start = Pieces.of(run, volts, floors, PIECES), _coordinates(changes)
+    own, at, away = len(start), np.concatenate([start, np.zeros(SENSORS)]), np.zeros((len(given.qpos), STARTS))
+    around, sensors, tried = at, _sensors(given), []
     for k in range(ROUNDS + 1):
-        here = _missed(pieces, at[:own], step)
-        columns = np.column_stack([sensors, _late(pieces, at[:own], here, step)])
+        pieces, robot = moved(given, away), _walker(at[:own], step)
+        here = pieces.missed(robot)
+        columns = np.concatenate([sensors, _late(pieces, robot, here)[..., None]], axis=2)
         tried.append(here - columns @ at[own:])
         if k < ROUNDS:
-            directions = Directions.of(np.hstack([_robot(pieces, at[:own], here, step), columns]), around)
-            _, at, _ = directions.step(tried[-1], at)
-    return by_channel(min(tried, key=np.linalg.norm).reshape(len(pieces.qpos), -1))
+            starts, every = Starts.of(pieces, robot, here), np.concatenate([_robot(pieces, at[:own], here, step), columns], axis=2)
+            every, rest = beside(every, np.zeros((len(away), STARTS, len(at)))), beside(tried[-1], away)
+            directions = Directions.of(starts.beyond(every).reshape(-1, len(at)), around)
+            _, after, _ = directions.step(starts.beyond(rest).ravel(), at)
+            away, at = away + starts.best(rest - every @ (after - at)), after
+            away = settled(given, _walker(at[:own], step), columns @ at[own:], away)
+    return by_channel(min(tried, key=np.linalg.norm))
 
 
 def _robot(pieces: Pieces, at: np.ndarray, here: np.ndarray, step: float) -> np.ndarray:
-    """(readings, NAMES) floors per leeway of the robot's parameters, about what is missed here (readings,)."""
+    """(s, readings, NAMES) floors per leeway of the robot's parameters, about what is missed here (s, readings)."""
     columns = []
     for i, kind in enumerate(KINDS):
         away = CHORD * STEPS[kind] / LEEWAYS[i]
-        columns.append((here - _missed(pieces, at + away * (np.arange(len(at)) == i), step)) / away)
-    return np.stack(columns, axis=1)
+        columns.append((here - pieces.missed(_walker(at + away * (np.arange(len(at)) == i), step))) / away)
+    return np.stack(columns, axis=2)
 
 
-def _late(pieces: Pieces, at: np.ndarray, here: np.ndarray, step: float) -> np.ndarray:
-    """(readings,) likewise of voltages that come late."""
+def _late(pieces: Pieces, robot: Walker, here: np.ndarray) -> np.ndarray:
+    """(s, readings) likewise of voltages that come late."""
     samples = round(LEEWAY[TIME_SHIFT] / SERVO_MS)
     held = np.concatenate([np.repeat(pieces.volts[:, :1], samples, axis=1), pieces.volts[:, :-samples]], axis=1)
-    return here - _missed(replace(pieces, volts=held), at, step)
+    return here - replace(pieces, volts=held).missed(robot)
 
 
 def _sensors(pieces: Pieces) -> np.ndarray:
-    """(readings, 19) likewise of gains and biases of the angles' sensors, and zeros of the base's."""
+    """(s, readings, 19) likewise of gains and biases of the angles' sensors, and zeros of the base's."""
     angles, joints, axes = pieces.there[:, 1:, 7:] / pieces.floors.angle, np.eye(len(JOINTS)), np.eye(len(BASE))
     still, none = np.zeros((SEGMENT // EVERY // FRAME, len(BASE))), np.zeros_like(angles[0])
     columns = [np.array([flat(FACTOR_LEEWAY * each * one, still) for each in angles]) for one in joints]
     columns += [np.tile(flat(none + LEEWAY["bias"] / pieces.floors.angle * one, still), (len(angles), 1)) for one in joints]
     columns += [np.tile(flat(none, still + ZERO_LEEWAY * axes[axis]), (len(angles), 1)) for axis in ZEROS]
-    return np.stack([column.ravel() for column in columns], axis=1)
+    return np.stack(columns, axis=2)
 
 
-def _missed(pieces: Pieces, at: np.ndarray, step: float) -> np.ndarray:
+def _walker(at: np.ndarray, step: float) -> Walker:
+    """The robot without effects at coordinates (NAMES,)."""
     x = at * LEEWAYS
     changes = dict(zip(NAMES, np.where(IS_FACTOR, np.exp(x), x).tolist(), strict=True))
-    return pieces.missed(Walker(Scene(), changes, step=step)).ravel()
+    return Walker(Scene(), changes, step=step)
 
 
 def _coordinates(changes: Mapping[str, float]) -> np.ndarray:
