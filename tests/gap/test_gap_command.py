@@ -148,6 +148,10 @@ def test_an_interrupted_run_goes_on_where_it_was(answer, bags, monkeypatch):
     whole = Found.load(folder, key)
     assert whole.verdict["verdict"] == "named"
     assert Found.load(folder, "other data") is None
+    first, *_ = whole.answers
+    assert {name: x for name, x in first.items() if name not in ("parameters", "gap")} == whole.verdict["set"][0]
+    assert {name: first[name] for name in ("parameters", "gap")} == {name: whole.verdict[name] for name in ("parameters", "gap")}
+    np.testing.assert_array_equal(whole.arrays["rows.after.0"], whole.arrays["rows.after"])
 
     class Reached(Exception):
         """It began the analysis anew."""
