@@ -20,10 +20,15 @@ class Corrected:
     def __init__(self, weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray) -> None:
         """About x (P,), in scales, where fine steps make `run`, (n, channels)."""
         self._fine, self._free, self._samples = weighed.model, free, len(run)
-        self._coarse, self._added, self.exact = None, np.zeros_like(run), True
+        self._coarse, self._added = None, np.zeros_like(run)
         coarse = weighed.coarse
         if coarse and coarse.substeps < weighed.model.substeps and np.isfinite(other := coarse.runs(free, x, self._samples)[0]).all():
-            self._coarse, self._added, self.exact = coarse, run - other, False
+            self._coarse, self._added = coarse, run - other
+
+    @property
+    def exact(self) -> bool:
+        """Whether all runs are."""
+        return self._coarse is None
 
     def near(self, x: np.ndarray) -> np.ndarray:
         """(K, n, channels) of (K, P)."""
@@ -31,30 +36,16 @@ class Corrected:
 
     def near_rows(self, rows: np.ndarray) -> np.ndarray:
         """The same of (K, rows) lane parameters, which may have more in them than what is free here."""
-        return self._fine.run_rows(rows, self._samples) if self.exact else self._corrected(rows)
-
-    def beside(self, x: np.ndarray) -> np.ndarray:
-        """As `near`, of (K, P) so near that only what it differs by from the point is wanted: coarse, whatever `exact`."""
-        rows = self._fine.rows(self._free, x)
-        return self._corrected(rows) if self._coarse else self._fine.run_rows(rows, self._samples)
-
-    def _corrected(self, rows: np.ndarray) -> np.ndarray:
-        return self._added + self._coarse.run_rows(rows, self._samples)
+        return self._added + (self._coarse or self._fine).run_rows(rows, self._samples)
 
     def at(self, x: np.ndarray, run: np.ndarray) -> np.ndarray:
         """(n, channels) exact at x (P,), of which `near` made `run`; what is near is about x from now on."""
-        if self._coarse is None:
+        if self.exact:
             return run
-        fine = run if self.exact else self._fine.runs(self._free, x, self._samples)[0]
-        near = self.beside(x[None])[0] if self.exact else run
-        self._added = self._added + (fine - near)
+        fine = self._fine.runs(self._free, x, self._samples)[0]
+        self._added = self._added + (fine - run)
         return fine
 
-    @property
-    def finest(self) -> bool:
-        """Whether nothing is left to refine."""
-        return self._coarse is None
-
     def refine(self) -> None:
-        """Fine steps from now on: of what is `near`, and when told again of what is `beside` too."""
-        self._coarse, self.exact = None if self.exact else self._coarse, True
+        """Fine steps from now on."""
+        self._coarse, self._added = None, np.zeros_like(self._added)

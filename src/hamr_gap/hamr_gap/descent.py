@@ -57,7 +57,7 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
     runs = Corrected(weighed, free, x, run)
     for _ in range(steps if n else 0):
         sensors = weighed.sensors(s)
-        derivatives = jacobian(weighed, free, x, run, sensors, runs.beside, delta=delta)
+        derivatives = jacobian(weighed, free, x, run, sensors, runs.near, delta=delta)
         residual = target - weighed.vector(sensors.read(run, model.reading_step, model.starts))
         doubt = weighed.doubt(residual)
         own = np.append(s[:-1], 0.0)  # the shift has no prior
@@ -86,12 +86,7 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
             runs.refine()
             continue
         if gained < tolerance * cost or gained < LEAST:
-            if foreseen < FORESEEN * cost:
-                break
-            if runs.exact and not runs.finest:
-                runs.refine()
-                continue
-            if delta == DELTAS[-1]:
+            if foreseen < FORESEEN * cost or delta == DELTAS[-1]:
                 break
             delta = DELTAS[DELTAS.index(delta) + 1]
     return Point(x, run, s, cost)
