@@ -9,7 +9,7 @@ from interpreter import evaluate
 from hamr_description.names import LEGS
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
-from hamr_dynamics import bank_stages, driver, machine_kernel, stages
+from hamr_dynamics import driver, machine_kernel, stages
 from hamr_dynamics.bank_stages import LEG_BANK, USUAL
 from hamr_dynamics.batch import DRIVE_SIGN, SIGN, BatchSim
 from hamr_dynamics.effects.bank import Bank
@@ -101,30 +101,25 @@ def trace(model, environment: str, n: int, steps: int) -> np.ndarray:
     base = np.zeros((len(stages.BASE), n))
     base[2], base[3], base[7:13] = 6.0 + rng.normal(0, 3, n), 1.0, rng.normal(0, 0.02, (6, n))
     arrays = {"state": state, "base": base, "param": sim._param.reshape(-1, legs), "body": sim._body.reshape(-1, n)}
-    chain = [stages.suspended(model, h)]
-    if environment == "ground":
-        more = {"effects": model.effects}
-        chain = [stages.predict(h, **more), stages.reach(model, h), stages.balance_soft(h, **more), stages.grounded(model, h),
-                 stages.balance_free(h, **more), stages.finish_legs(h)]  # fmt: skip
-    if model.effects:
-        rows = stages.state_rows(model), stages.parameter_rows(model)
-        chain = [bank_stages.sense(*rows, h), bank_stages.command(*rows, h), *chain]
+    chain = [(part, 4) for part in (*stages.sense(model, h), *stages.command(model, h))] + stages.chain(model, environment, h)
     for _ in range(steps):
         arrays["drive"] = rng.normal(0, 40, (2, legs))
-        for stage in chain:
-            by_robot = {"base", "pose", "soft"} & {*stage.inputs, *stage.outputs} and stage.name not in ("grounded",)
-            lanes = n if by_robot else legs
+        for part, lanes in chain:
+            stage = part.stage
+            inputs = {name: arrays[name].reshape(-1, lanes * n)[: len(rows)] for name, rows in stage.inputs.items()}
             with np.errstate(divide="ignore", invalid="ignore"):
-                found = evaluate(stage, {name: arrays[name].reshape(-1, lanes)[: len(rows)] for name, rows in stage.inputs.items()})
+                found = evaluate(stage, inputs)
             for name, values in found.items():
-                old, first = stages.renewed(model).get(name, (name, 0))
+                if not len(stage.outputs[name]):
+                    continue
+                old, first = ("state", part.memory) if name == "memory" else stages.renewed(model).get(name, (name, 0))
                 if old == name:
                     arrays[name] = values.reshape(-1, n if name in ("pose", "base") else legs)
                 else:
                     arrays[old][first : first + len(values)] = values
             if stage.name == "command":
                 arrays["drive"] = arrays["state"][len(stages.STATE) : len(stages.STATE) + 2]
-            if stage.name == "sense":
+            if stage.name == "sensed":
                 assert np.array_equal(arrays["measured"], arrays["state"][:4])
     return np.concatenate([arrays["state"][: len(stages.STATE)].ravel(), arrays["base"].ravel()])
 

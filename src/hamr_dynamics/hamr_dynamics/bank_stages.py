@@ -1,131 +1,125 @@
-"""The bank of effects in the kernels of the whole robot: more rows, two more stages, and a leg function with effects in it.
+"""The bank of effects in the kernels of the whole robot: more rows, and more parts of the step.
 
-In each step, `sense` makes of the angles what sensors say (the leg law sees that), `command` makes of the drive what acts, and the
-leg function adds forces, springs, dampers and inertia. Places are 0 and 1 for a leg's swing and lift. More rows of the arrays:
-    state  DRIVE: the drive that acts, and memories; FORCE: slip of the actuators' side, its rate, time, and memories;
-           SENSE: error of the readings, and memories
+In each step, the parts of `sense` make of the angles what sensors say (the leg law sees that), those of `command` make of the drive what
+acts, and those of `forces` a leg's own equations and what effects add to them. Every law is a part by itself, so that one that no lane
+uses can be left out. Places are 0 and 1 for a leg's swing and lift. More rows of the arrays:
+    state  the drive that acts, slip of the actuators' side, its rate, time, error of the readings; then memories of laws
     param  a leg's own stiffness and inertia at rest, re-tuned parameters, parameters of effects
     body   pull of gravity along the ground, parameters of what tows the chassis
+and two arrays more:
+    signal     what the sensors say, of angles
+    equations  of a leg at the middle of the step, and the drive's share of the force
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 
 from . import vec
-from .effects.bank import ACTS, Acting, Bank, Equations
+from .effects.bank import ACTS, Acting, Bank, Equations, Law
 from .effects.law import Motion, Scales
-from .emit import Stage, rows
+from .emit import Part, Stage, rows
 from .leg import Leg
 from .plant import Plant
 
-LEG_BANK = Bank(2, (*ACTS, "leg"))
+LEG_BANK, CHASSIS_BANK = Bank(2, (*ACTS, "leg")), Bank(0, ("tow",))
 #: What is usual for a leg under a few ten volts: only for shapes of effects whose sizes are zero. N mm, rad, ms, V, ms.
 USUAL = Scales(0.06, 0.1, 2.0, 40.0, 12e3)
 
 REST = rows(rest_stiffness=2, rest_inertia=2)
+ACTED, MOVED, ERROR = rows(acted=2), rows(slip=2, slip_rate=2, time=1), rows(error=2)
+STATE = (*ACTED, *MOVED, *ERROR, *LEG_BANK.state_rows(*ACTS))
+PARAMETERS = (*REST, *LEG_BANK.parameter_rows)
+BODY = (*rows(pull=2), *CHASSIS_BANK.parameter_rows)
 POSE = rows(pull=3, tow=3)
 NEAR = rows(pull=3)
+SIGNAL = rows(y=2)
+SIZES = {"force": 2, "mass": 3, "stiffness": 3, "damping": 3, "slip": 2}  # of `Equations`
+EQUATIONS = rows(**SIZES, drive=2)
 MEASURED = tuple(f"measured.{row}" for row in rows(q=2, v=2))
-Laws = frozenset[tuple[str, str]] | None  # (effect, form) that kernels carry; None: all
+#: Outputs that take the place of an input: output -> (input, first row); those in `state` are counted from the bank's first.
+RENEWED = {
+    "acted": ("state", 0), "moved": ("state", 2), "error": ("state", 7), "new_signal": ("signal", 0), "new_equations": ("equations", 0),
+}  # fmt: skip
+Rows = dict[str, tuple[str, ...]]  # of "state" and "param", all of them
 
 
-@dataclass(frozen=True, slots=True)
-class Carried:
-    """The banks of some laws, and their rows.
+def sense(arrays: Rows, h: float) -> list[Part]:
+    """What the sensors say of angles and rates, as "measured", the first rows of a state."""
+    begin = Stage("sense", {"state": arrays["state"]}, {"signal": SIGNAL})
+    begin.write("signal", "y", begin.reads("state", "q", 2))
+    laws = [_law(law, arrays, {"signal": SIGNAL}, "new_signal", _bend_reading, h) for law in LEG_BANK.of("sense")]
+    end = Stage("sensed", arrays | {"signal": SIGNAL}, {"error": ERROR, "measured": rows(q=2, v=2)})
+    q, v, error = _reading(end, end.reads("signal", "y", 2), h)
+    end.write("measured", "q", q)
+    end.write("measured", "v", v)
+    end.write("error", "error", error)
+    return [Part(begin), *laws, Part(end)]
 
-    Attributes:
-        leg, chassis. drive, force, sense: rows of the state. parameters: of a lane. body: of the chassis.
+
+def command(arrays: Rows, drive: tuple[str, ...], h: float) -> list[Part]:
+    """The drive that acts, of the commanded one."""
+    gain = Stage("command", arrays | {"drive": drive}, {"acted": ACTED})
+    gain.write("acted", "acted", Acting(LEG_BANK, gain).gained(gain.reads("drive", "drive", 2)))
+    return [Part(gain), *(_law(law, arrays, {}, "acted", _bend_drive, h) for law in LEG_BANK.of("drive"))]
+
+
+def forces(plant: Plant, arrays: Rows, drive: tuple[str, ...], ahead: Callable, parameters: Callable, h: float) -> list[Part]:
+    """A leg's equations with all that acts on it.
+
+    Args:
+        ahead: a stage -> angles half a step ahead and rates (2,). parameters: a stage -> the plant's parameters.
     """
+    stage = Stage("forces", arrays | {"drive": drive}, {"equations": EQUATIONS})
+    q, v = ahead(stage)
+    at = _at(plant, stage, q, v, stage.reads("drive", "drive", 2), parameters(stage), h)
+    idle = _at(plant, stage, q, v, (0.0, 0.0), parameters(stage), h)
+    equations = Equations(list(at.force), list(at.armature), list(at.stiffness), list(at.damping), [0.0] * 2)
+    Acting(LEG_BANK, stage).changed(equations, q, v)
+    _write_equations(stage, "equations", equations)
+    stage.write("equations", "drive", vec.sub(at.torque, idle.torque))
 
-    leg: Bank
-    chassis: Bank
-    drive: tuple[str, ...]
-    force: tuple[str, ...]
-    sense: tuple[str, ...]
-    parameters: tuple[str, ...]
-    body: tuple[str, ...]
+    def push(stage: Stage, law: Law, h: float) -> None:
+        acting, equations, (q, v) = Acting(LEG_BANK, stage, "memory"), _equations(stage), ahead(stage)
+        stiffness, inertia = (stage.reads("param", f"rest_{name}", 2) for name in ("stiffness", "inertia"))
+        around = acting.around(q, v, stage.reads("equations", "drive", 2), stiffness, inertia, h)
+        acting.pushed(law, equations, around, stage.read("state", "time"))
+        _write_equations(stage, "new_equations", equations)
+        for i, x in enumerate(stage.reads("equations", "drive", 2)):
+            stage.write("new_equations", f"drive.{i}", x)
 
-    @property
-    def state(self) -> tuple[str, ...]:
-        """All rows of the state."""
-        return (*self.drive, *self.force, *self.sense)
-
-    @property
-    def first(self) -> dict[str, int]:
-        """Where outputs begin in `state`."""
-        return {"new_drive": 0, "new_force": len(self.drive), "new_sense": len(self.drive) + len(self.force)}
-
-
-@cache
-def carried(laws: Laws = None) -> Carried:
-    """Banks and rows of some laws."""
-    leg, chassis = replace(LEG_BANK, laws=laws), Bank(0, ("tow",), laws)
-    return Carried(
-        leg, chassis, drive=(*rows(acted=2), *leg.state_rows("drive")),
-        force=(*rows(slip=2, slip_rate=2, time=1), *leg.state_rows("force", "pair")), sense=(*rows(error=2), *leg.state_rows("sense")),
-        parameters=(*REST, *leg.parameter_rows), body=(*rows(pull=2), *chassis.parameter_rows),
-    )  # fmt: skip
-
-
-def command(state: tuple[str, ...], param: tuple[str, ...], h: float, laws: Laws = None) -> Stage:
-    """The drive that acts, of the commanded one; state and param are all rows of these arrays."""
-    stage = Stage("command", {"state": state, "drive": rows(drive=2), "param": param}, {"new_drive": carried(laws).drive})
-    acting = Acting(carried(laws).leg, stage, "new_drive")
-    stage.write("new_drive", "acted", acting.drive(stage.reads("drive", "drive", 2), stage.read("state", "time"), h))
-    return stage
-
-
-def sense(state: tuple[str, ...], param: tuple[str, ...], h: float, laws: Laws = None) -> Stage:
-    """What the sensors say of angles and rates, as the first rows of a state; arguments as of `command`."""
-    stage = Stage("sense", {"state": state, "param": param}, {"new_sense": carried(laws).sense, "measured": rows(q=2, v=2)})
-    q, v, error = _reading(stage, h, "new_sense", laws)
-    stage.write("measured", "q", q)
-    stage.write("measured", "v", v)
-    stage.write("new_sense", "error", error)
-    return stage
-
-
-def _reading(stage: Stage, h: float, new: str, laws: Laws) -> tuple[tuple, tuple, tuple]:
-    """Measured angles, rates (the true ones plus the rate of the sensors' error), and that error."""
-    q, v = stage.reads("state", "q", 2), stage.reads("state", "v", 2)
-    angle = Acting(carried(laws).leg, stage, new).sense(q, h)
-    error = vec.sub(angle, q)
-    change = vec.sub(error, stage.reads("state", "error", 2))
-    return angle, vec.add(v, vec.scale(change, 1.0 / h)), error
+    own = {"equations": EQUATIONS}
+    return [Part(stage), *(_law(law, arrays, own, "new_equations", push, h) for law in LEG_BANK.of("force", "pair"))]
 
 
 def leg(plant: Plant, stage: Stage, h: float) -> Callable:
-    """The plant's leg function with all that acts on a leg; memories go to "new_force"."""
-    acting = Acting(carried(plant.laws).leg, stage, "new_force")
-    time, before = stage.read("state", "time"), stage.reads("state", "slip", 2)
-    rest = {name: stage.reads("param", f"rest_{name}", 2) for name in ("stiffness", "inertia")}
+    """The plant's leg function with the equations that `forces` made; what has moved goes to "moved"."""
+    equations, before = _equations(stage), stage.reads("state", "slip", 2)
+    slip = tuple(equations.slip)
+    stage.write("moved", "slip", slip)
+    stage.write("moved", "slip_rate", vec.scale(vec.sub(slip, before), 1.0 / h))
+    stage.write("moved", "time", stage.read("state", "time") + h)
+    matrices = {name: tuple(getattr(equations, name)) for name in ("force", "stiffness", "damping")}
 
     def function(q, v, drive, parameters) -> Leg:
-        now = parameters | {"step": h}  # as in a machine, whose stops are touched for a part of a step
-        at = acting.leg(plant.leg(q, v, drive, now))
-        idle = acting.leg(plant.leg(q, v, (0.0, 0.0), now))
-        equations = Equations(list(at.force), [0.0] * 3, list(at.stiffness), list(at.damping), [0.0] * 2)
-        acting.push(equations, q, v, vec.sub(at.torque, idle.torque), rest["stiffness"], rest["inertia"], time, h)
-        slip = tuple(equations.slip)
-        stage.write("new_force", "slip", slip)
-        stage.write("new_force", "slip_rate", vec.scale(vec.sub(slip, before), 1.0 / h))
-        stage.write("new_force", "time", time + h)
-        matrices = {"stiffness": tuple(equations.stiffness), "damping": tuple(equations.damping), "armature": tuple(equations.mass)}
-        return replace(at, force=tuple(equations.force), **matrices)
+        return replace(_at(plant, stage, q, v, drive, parameters, h), armature=tuple(equations.mass), **matrices)
 
     return function
 
 
-def seen(stage: Stage, at: Leg, h: float, laws: Laws) -> Leg:
+def _at(plant: Plant, stage: Stage, q: tuple, v: tuple, drive: tuple, parameters: dict, h: float) -> Leg:
+    """The plant's leg as effects scale it; as in a machine, its stops are touched for a part of a step."""
+    return Acting(LEG_BANK, stage).leg(plant.leg(q, v, drive, parameters | {"step": h}))
+
+
+def seen(stage: Stage, at: Leg, h: float) -> Leg:
     """A leg as effects scale it; writes what a simulator and its sensors see of it."""
-    at = Acting(carried(laws).leg, stage, "").leg(at)
-    angle, angle_rate, _ = _reading(stage, h, "", laws)
+    acting = Acting(LEG_BANK, stage, "")
+    angle, angle_rate, _ = _reading(stage, acting.sense(stage.reads("state", "q", 2), h), h)
     stage.write("seen", "measured.q", angle)
     stage.write("seen", "measured.v", angle_rate)
-    return at
+    return acting.leg(at)
 
 
 def tips(stage: Stage, at: Leg, v: tuple) -> tuple[tuple, tuple]:
@@ -139,11 +133,47 @@ def tips(stage: Stage, at: Leg, v: tuple) -> tuple[tuple, tuple]:
     return tuple(tip), tuple(rate)
 
 
-def surroundings(stage: Stage, state, matrix: tuple, laws: Laws) -> tuple:
+def surroundings(stage: Stage, state, matrix: tuple) -> tuple:
     """Writes pull and tow in the chassis's axes, for a base state and the rows of its rotation; the pull."""
     x, y = stage.reads("body", "pull", 2)
-    force = Acting(carried(laws).chassis, stage, "", "body").tow(Motion(state.position, state.velocity))
+    force = Acting(CHASSIS_BANK, stage, "", "body").tow(Motion(state.position, state.velocity))
     pull = vec.add(vec.scale(matrix[0], x), vec.scale(matrix[1], y))
     stage.write("pose", "pull", pull)
     stage.write("pose", "tow", tuple(sum((matrix[i][k] * force[i] for i in range(3)), 0.0) for k in range(3)))
     return pull
+
+
+def _law(law: Law, arrays: Rows, own: Rows, output: str, act: Callable, h: float) -> Part:
+    """A law at all its places, as a part that changes rows of an output."""
+    name, form = law
+    memory = LEG_BANK.memory(law)
+    outputs = {"acted": ACTED, "new_signal": SIGNAL, "new_equations": EQUATIONS}
+    stage = Stage(f"{name}_{form.name}", arrays | own, {output: outputs[output], "memory": memory})
+    act(stage, law, h)
+    sizes = tuple(map(arrays["param"].index, LEG_BANK.sizes(law)))
+    return Part(stage, sizes, arrays["state"].index(memory[0]) if memory else 0, f"{name}.{form.name}.")
+
+
+def _bend_reading(stage: Stage, law: Law, h: float) -> None:
+    stage.write("new_signal", "y", Acting(LEG_BANK, stage, "memory").sensed(law, stage.reads("signal", "y", 2), h))
+
+
+def _bend_drive(stage: Stage, law: Law, h: float) -> None:
+    drive, time = stage.reads("state", "acted", 2), stage.read("state", "time")
+    stage.write("acted", "acted", Acting(LEG_BANK, stage, "memory").driven(law, drive, time, h))
+
+
+def _reading(stage: Stage, angle: tuple, h: float) -> tuple[tuple, tuple, tuple]:
+    """Measured angles, rates (the true ones plus the rate of the sensors' error), and that error."""
+    error = vec.sub(angle, stage.reads("state", "q", 2))
+    change = vec.sub(error, stage.reads("state", "error", 2))
+    return angle, vec.add(stage.reads("state", "v", 2), vec.scale(change, 1.0 / h)), error
+
+
+def _equations(stage: Stage) -> Equations:
+    return Equations(*(list(stage.reads("equations", name, size)) for name, size in SIZES.items()))
+
+
+def _write_equations(stage: Stage, array: str, equations: Equations) -> None:
+    for name in SIZES:
+        stage.write(array, name, tuple(getattr(equations, name)))

@@ -72,6 +72,23 @@ class Stage:
             self.values[array, name] = value
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a step.
+
+    Attributes:
+        stage: traced.
+        sizes: indices of the parameter rows that are zero when the part does nothing; none for a part that always runs.
+        memory: row of `state` at which its internal states begin.
+        own: how the names of rows begin that no other part uses.
+    """
+
+    stage: Stage
+    sizes: tuple[int, ...] = ()
+    memory: int = 0
+    own: str = ""
+
+
 def loop_source(stage: Stage, lanes: int) -> str:
     """Python source of `def NAME(inputs..., outputs...)`: the stage over all lanes, each array an argument."""
     return f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):\n" + loop_body(stage, lanes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
+import re
 import sys
 import tempfile
 from functools import cache
@@ -49,6 +50,7 @@ def load(plant: Plant, environment: str, robots: int, dtype: str = "float64", h:
 
 def load_source(label: str, text: str) -> ModuleType:
     """The module of a source text, compiled at most once per machine: the text alone decides, so no stale code can be found."""
+    text = _named(text)
     name = f"{label}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     if name in sys.modules:
         return sys.modules[name]
@@ -63,3 +65,10 @@ def load_source(label: str, text: str) -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def _named(text: str) -> str:
+    """A source text whose literal places in arrays are constants of the module: each call of `U` would be typed and lowered by itself."""
+    places = sorted(set(re.findall(r"\bU\((\d+)\)", text)), key=int)
+    constants = "".join(f"U_{place} = U({place})\n" for place in places)
+    return re.sub(r"\bU\((\d+)\)", r"U_\1", text).replace("U = np.uint64\n", f"U = np.uint64\n{constants}", 1)

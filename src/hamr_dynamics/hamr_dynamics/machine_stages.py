@@ -11,27 +11,10 @@ Arrays (rows x lanes); an output new_X lies on X, `memory` on a law's internal s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from .effects.bank import Acting, Equations, Law
-from .emit import Stage
+from .emit import Part, Stage
 from .machine import Machine
 from .step import inverse2, times2
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A part of the step.
-
-    Attributes:
-        stage: traced.
-        sizes: indices of the parameter rows that are zero when the part does nothing; none for a part that always runs.
-        memory: row of `state` at which its internal states begin.
-    """
-
-    stage: Stage
-    sizes: tuple[int, ...] = ()
-    memory: int = 0
 
 
 def arrays(machine: Machine) -> dict[str, tuple[str, ...]]:
@@ -114,13 +97,12 @@ def _solve(machine: Machine) -> Stage:
 def _law(machine: Machine, law: Law) -> Part:
     """A law at all its places."""
     name, form = law
-    places = machine.places(form)
-    memory = tuple(f"{name}.{form.name}.z{i}.{place}" for place in places for i in range(form.states))
+    memory = machine.bank.memory(law)
     act, output = _ACTS[form.acts]
     stage = _stage(machine, f"{name}_{form.name}", output, memory=memory)
     act(machine, stage, law)
-    sizes = (f"{name}.{form.name}.{size.name}.{place}" for size in form.sizes for place in places)
-    return Part(stage, tuple(map(machine.parameter_rows.index, sizes)), machine.state_rows.index(memory[0]) if memory else 0)
+    sizes = tuple(map(machine.parameter_rows.index, machine.bank.sizes(law)))
+    return Part(stage, sizes, machine.state_rows.index(memory[0]) if memory else 0)
 
 
 def _bend_drive(machine: Machine, stage: Stage, law: Law) -> None:

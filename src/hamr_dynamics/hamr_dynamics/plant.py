@@ -22,7 +22,6 @@ class Plant:
         tunable: parameters that may differ from lane to lane (everything else is compiled in).
         network: torque network in place of the drive, or None (`hamr_sim_residual.network`).
         effects: whether its kernels carry the bank of effects (`with_effects`).
-        laws: those of the bank that they carry, (effect, form); None: all. Fewer are faster.
     """
 
     name: str
@@ -32,7 +31,6 @@ class Plant:
     tunable: tuple[str, ...] = ()
     network: object | None = field(default=None)
     effects: bool = False
-    laws: frozenset[tuple[str, str]] | None = None
 
 
 #: Where each backend lives; its package registers it on import.
@@ -60,9 +58,9 @@ def plant(name: str) -> Plant:
 
 
 @cache
-def with_effects(model: Plant, laws: frozenset[tuple[str, str]] | None = None) -> Plant:
-    """The same robot with the bank of effects in its kernels, or some laws of it; always the same object for the same arguments."""
-    return model if model.effects else replace(model, effects=True, laws=laws)
+def with_effects(model: Plant) -> Plant:
+    """The same robot with the bank of effects in its kernels; always the same object for the same robot."""
+    return model if model.effects else replace(model, effects=True)
 
 
 def flatten(parameters: Mapping) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from hamr_description.errors import ConfigError
 from hamr_description.names import AXES, LEGS
 
-from .bank_stages import USUAL, carried
+from .bank_stages import LEG_BANK, USUAL
 from .effects.bank import CHANGES
 from .effects.effects_file import EffectsFile, PlacedEffect
 from .effects.law import Chassis, Foot
@@ -29,8 +29,7 @@ def neutral_leg(plant: Plant, leg: str, gravity: float) -> dict[str, float]:
     rest = leg_machine(plant, leg, gravity=gravity).at_rest
     own = {"stiffness": rest.stiffness, "inertia": rest.mass}
     rows = {f"rest_{name}.{j}": float(matrix[2 * j]) for name, matrix in own.items() for j in range(len(AXES))}
-    bank = carried(plant.laws).leg
-    return rows | dict(zip(bank.parameter_rows, bank.neutral(USUAL), strict=True))
+    return rows | dict(zip(LEG_BANK.parameter_rows, LEG_BANK.neutral(USUAL), strict=True))
 
 
 def set_effects(sim: BatchSim, effects: EffectsFile) -> None:

@@ -16,13 +16,14 @@ from hamr_description.names import LEGS, MIRROR
 
 from . import bank_stages, scalar, vec
 from .contact import Contact
-from .emit import Stage, rows
+from .emit import Part, Stage, rows
 from .plant import Plant, flatten, unflatten
 from .step import (
     ROW6,
     BaseState,
     LegState,
     Reach,
+    ahead,
     apply_ground,
     base_ahead,
     chassis_terms,
@@ -55,12 +56,12 @@ GROUNDED = rows(rhs=6, own=2, force=3)
 
 def state_rows(plant: Plant) -> tuple[str, ...]:
     """Rows of the legs' state."""
-    return (*STATE, *bank_stages.carried(plant.laws).state) if plant.effects else STATE
+    return (*STATE, *bank_stages.STATE) if plant.effects else STATE
 
 
 def body_rows(plant: Plant) -> tuple[str, ...]:
     """Rows of the chassis's parameters."""
-    return (*BODY, *bank_stages.carried(plant.laws).body) if plant.effects else BODY
+    return (*BODY, *bank_stages.BODY) if plant.effects else BODY
 
 
 def seen_rows(plant: Plant) -> tuple[str, ...]:
@@ -71,8 +72,8 @@ def seen_rows(plant: Plant) -> tuple[str, ...]:
 def renewed(plant: Plant) -> dict[str, tuple[str, int]]:
     """Outputs that take the place of an input: output -> (input, first row)."""
     own = {"new_state": ("state", 0), "new_base": ("base", 0)}
-    more = bank_stages.carried(plant.laws).first if plant.effects else {}
-    return own | {new: ("state", len(STATE) + first) for new, first in more.items()}
+    more = bank_stages.RENEWED if plant.effects else {}
+    return own | {new: (old, first + len(STATE) * (old == "state")) for new, (old, first) in more.items()}
 
 
 def by_leg(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -84,7 +85,7 @@ def parameter_rows(plant: Plant) -> tuple[str, ...]:
     """Leg parameters that vary by lane: tunable ones, and whatever differs between the legs."""
     legs = [flatten(plant.parameters(leg)) for leg in LEGS]
     different = [k for k in legs[0] if k.split(".")[0] in plant.tunable or len({leg[k] for leg in legs}) > 1]
-    return (*different, *ENVIRONMENT, *(bank_stages.carried(plant.laws).parameters if plant.effects else ()))
+    return (*different, *ENVIRONMENT, *(bank_stages.PARAMETERS if plant.effects else ()))
 
 
 def _parameters(stage: Stage, plant: Plant) -> dict:
@@ -103,20 +104,58 @@ def _write_state(stage: Stage, state: LegState, stops) -> None:
     stage.write("new_state", "stops", tuple(n + s for n, s in zip(stage.reads("state", "stops", 2), stops, strict=True)))
 
 
-def _memory(plant: Plant) -> dict[str, tuple[str, ...]]:
-    """Outputs of a stage that evaluates `_leg`, besides its own."""
-    return {"new_force": bank_stages.carried(plant.laws).force} if plant.effects else {}
+def _arrays(plant: Plant) -> dict[str, tuple[str, ...]]:
+    return {"state": state_rows(plant), "param": parameter_rows(plant)}
+
+
+def _driven(plant: Plant) -> dict[str, tuple[str, ...]]:
+    return {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant)}
+
+
+def sense(plant: Plant, h: float) -> list[Part]:
+    """What the sensors say, which the leg law sees; nothing of a plant without effects, whose sensors are true."""
+    return bank_stages.sense(_arrays(plant), h) if plant.effects else []
+
+
+def command(plant: Plant, h: float) -> list[Part]:
+    """The drive that acts, of the commanded one; nothing of a plant without effects."""
+    return bank_stages.command(_arrays(plant), DRIVE, h) if plant.effects else []
+
+
+def chain(plant: Plant, environment: str, h: float) -> list[tuple[Part, int]]:
+    """The step under a drive, in order: parts, and the lanes that each has of a robot."""
+    found = [(part, 4) for part in _forces(plant, h)]
+    if environment == "suspended":
+        return [*found, (Part(suspended(plant, h)), 4)]
+    first, effects = predict(h, effects=plant.effects), plant.effects
+    rest = [(reach(plant, h), 4), (balance_soft(h, effects=effects), 1), (grounded(plant, h), 4), (balance_free(h, effects=effects), 1),
+            (finish_legs(h), 4)]  # fmt: skip
+    return [(Part(first), 1), *found, *((Part(stage), lanes) for stage, lanes in rest)]
+
+
+def _forces(plant: Plant, h: float) -> list[Part]:
+    def middle(stage: Stage) -> tuple[tuple, tuple]:
+        state = _state(stage)
+        return ahead(state, h)[0], state.v
+
+    return bank_stages.forces(plant, _arrays(plant), DRIVE, middle, lambda stage: _parameters(stage, plant), h) if plant.effects else []
+
+
+def _leg_arrays(plant: Plant) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
+    """Inputs of a stage that evaluates `_leg`, and its outputs besides its own."""
+    more, moved = ({"equations": bank_stages.EQUATIONS}, {"moved": bank_stages.MOVED}) if plant.effects else ({}, {})
+    return _driven(plant) | more, moved
 
 
 def _leg(plant: Plant, stage: Stage, h: float) -> Callable:
-    """The plant's leg function, with the effects that act on a leg if its kernels carry them."""
+    """The plant's leg function, with the equations that effects have changed if its kernels carry them."""
     return bank_stages.leg(plant, stage, h) if plant.effects else plant.leg
 
 
 def suspended(plant: Plant, h: float) -> Stage:
     """A whole step of a leg on a fixed chassis."""
-    outputs = {"new_state": STATE, **_memory(plant)}
-    stage = Stage("suspended", {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant)}, outputs)
+    inputs, moved = _leg_arrays(plant)
+    stage = Stage("suspended", inputs, {"new_state": STATE} | moved)
     state, leg = step_suspended(
         _leg(plant, stage, h), _state(stage), stage.reads("drive", "drive", 2), _parameters(stage, plant), stage.read("param", "gravity"), h
     )
@@ -147,11 +186,11 @@ def servo(limit: float) -> Stage:
 
 def observe(plant: Plant, h: float) -> Stage:
     """What only a simulator knows of a leg: actuator tips, their rates and forces, and the drive's hip torque."""
-    stage = Stage("observe", {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant)}, {"seen": seen_rows(plant)})
+    stage = Stage("observe", _driven(plant), {"seen": seen_rows(plant)})
     state = _state(stage)
     leg = plant.leg(state.q, state.v, stage.reads("drive", "drive", 2), _parameters(stage, plant))
     if plant.effects:
-        leg = bank_stages.seen(stage, leg, h, plant.laws)
+        leg = bank_stages.seen(stage, leg, h)
     tips = tuple(t.value for t in leg.tips), tuple(t.rate(state.v) for t in leg.tips)
     tip, tip_rate = bank_stages.tips(stage, leg, state.v) if plant.effects else tips
     stage.write("seen", "tip", tip)
@@ -166,11 +205,11 @@ def _base_state(stage: Stage) -> BaseState:
     return BaseState(*(stage.reads("base", name, n) for name, n in sizes.items()))
 
 
-def predict(h: float, *, effects: bool = False, laws: bank_stages.Laws = None) -> Stage:
+def predict(h: float, *, effects: bool = False) -> Stage:
     """Base half a step ahead."""
     inputs, pose, near = {"base": BASE}, POSE, NEAR
     if effects:
-        inputs |= {"body": (*BODY, *bank_stages.carried(laws).body)}
+        inputs |= {"body": (*BODY, *bank_stages.BODY)}
         pose, near = (*POSE, *bank_stages.POSE), (*NEAR, *bank_stages.NEAR)
     stage = Stage("predict", inputs, {"pose": pose, "near": by_leg(near)})
     state = _base_state(stage)
@@ -185,7 +224,7 @@ def predict(h: float, *, effects: bool = False, laws: bank_stages.Laws = None) -
             stage.write("near", f"{leg}.{name}", mirror(leg, vector))
         stage.write("near", f"{leg}.height", height)
     if effects:
-        pull = bank_stages.surroundings(stage, state, matrix, laws)
+        pull = bank_stages.surroundings(stage, state, matrix)
         for leg in LEGS:
             stage.write("near", f"{leg}.pull", mirror(leg, pull))
     return stage
@@ -206,8 +245,8 @@ def mirror_spin(leg: str, v) -> tuple:
 def reach(plant: Plant, h: float) -> Stage:
     """Eliminates a leg."""
     near = (*NEAR, *bank_stages.NEAR) if plant.effects else NEAR
-    inputs = {"state": state_rows(plant), "drive": DRIVE, "param": parameter_rows(plant), "near": near}
-    stage = Stage("reach", inputs, {"reach": REACH, **_memory(plant)})
+    inputs, moved = _leg_arrays(plant)
+    stage = Stage("reach", inputs | {"near": near}, {"reach": REACH} | moved)
     base = {name: stage.reads("near", name, 3) for name in ("omega", "omega_mid", "velocity", "normal")}
     base |= {"height": stage.read("near", "height"), "gravity": stage.read("param", "gravity")}
     ground = {name.removeprefix("contact_"): stage.read("param", name) for name in GROUND}

@@ -23,19 +23,17 @@ Law = tuple[str, Form]  # effect name, one of its forms
 
 @dataclass(frozen=True, slots=True)
 class Bank:
-    """All forms of some kinds, or those of some laws (effect, form), at one machine: of one joint, of two coupled ones, or of none."""
+    """All forms of some kinds at one machine: of one joint, of two coupled ones, or of none."""
 
     joints: int
     acts: tuple[str, ...] = ACTS
-    laws: frozenset[tuple[str, str]] | None = None
 
     @property
     def forms(self) -> list[Law]:
         """(effect name, form) in order of action."""
         acts = [kind for kind in self.acts if kind != "pair" or self.joints == 2]
         found = [(name, form) for name, effect in library().items() for form in effect.forms if form.acts in acts]
-        chosen = [(name, form) for name, form in found if self.laws is None or (name, form.name) in self.laws]
-        return sorted(chosen, key=lambda item: item[1].order)
+        return sorted(found, key=lambda item: item[1].order)
 
     def of(self, *acts: str) -> list[Law]:
         """Those of some kinds."""
@@ -57,9 +55,17 @@ class Bank:
 
     def state_rows(self, *acts: str) -> tuple[str, ...]:
         """Rows of the internal states of the forms of some kinds."""
-        return tuple(
-            f"{name}.{form.name}.z{i}.{place}" for name, form in self.of(*acts) for place in self.places(form) for i in range(form.states)
-        )
+        return tuple(row for law in self.of(*acts) for row in self.memory(law))
+
+    def memory(self, law: Law) -> tuple[str, ...]:
+        """Rows of the internal states of a law."""
+        name, form = law
+        return tuple(f"{name}.{form.name}.z{i}.{place}" for place in self.places(form) for i in range(form.states))
+
+    def sizes(self, law: Law) -> tuple[str, ...]:
+        """Rows that are zero when a law does nothing."""
+        name, form = law
+        return tuple(f"{name}.{form.name}.{size.name}.{place}" for size in form.sizes for place in self.places(form))
 
     def neutral(self, scales: Scales) -> np.ndarray:
         """(rows,) with nothing changed and no effect: sizes zero, shapes at their typical value."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 from hamr_dynamics import kernels
-from hamr_dynamics.bank_stages import Laws
 from hamr_dynamics.batch import BatchSim
 from hamr_dynamics.machine import leg_machine
 from hamr_dynamics.plant import Plant, plant, with_effects
@@ -22,9 +21,6 @@ from .setting import Setting
 
 LANES = 1024  # simulated at once
 BLOCK = 16
-BEFORE = ("foot", "chassis")  # kinds of forms that change a robot's numbers before it moves; kernels carry the others
-FEW = 1  # laws at once that may have kernels of their own, several times as fast as those of the whole bank,
-WORTH = 2_000_000  # once so many samples of lanes were asked of them that compilation pays
 
 
 @dataclass(frozen=True)
@@ -113,8 +109,6 @@ class Robot:
 
     def __init__(self, backend: str, numerics: Numerics = Numerics()) -> None:
         self.backend, self.numerics = backend, numerics
-        self._kernels: dict[Laws, _Kernels] = {}
-        self._asked: Counter[Laws] = Counter()
 
     @property
     def steps(self) -> int:
@@ -130,23 +124,17 @@ class Robot:
         """Lanes from states (n, 29), lane i with settings[which[i]] under the voltages of segment[i]; angles are as sensors have them."""
         n, samples = len(starts), drives.volts.shape[1]
         found = Runs(np.empty((n, samples, 8)), np.empty((n, samples, 3)), np.empty((n, samples, 4)), np.empty((n, STATE)))
-        own = self._kernels_for(settings, n * samples)
-        rows = own.rows(settings)
+        rows = self._kernels.rows(settings)
         for begin in range(0, n, LANES):
             part = slice(begin, min(n, begin + LANES))
             into = Runs(found.angles[part], found.position[part], found.quaternion[part], found.ends[part])
-            sim = own.of(part.stop - part.start)
+            sim = self._kernels.of(part.stop - part.start)
             self._part(sim, starts[part], drives, settings, rows, which[part], segment[part], into)
         return found
 
-    def _kernels_for(self, settings: Sequence[Setting], asked: int) -> _Kernels:
-        laws = frozenset((e.effect, e.form) for s in settings for e in s.effects.effects if e.law.acts not in BEFORE)
-        self._asked[laws] += asked
-        if laws and (len(laws) > FEW or self._asked[laws] < WORTH):
-            laws = None
-        if laws not in self._kernels:
-            self._kernels[laws] = _Kernels(with_effects(plant(self.backend), laws), self.numerics)
-        return self._kernels[laws]
+    @cached_property
+    def _kernels(self) -> _Kernels:
+        return _Kernels(with_effects(plant(self.backend)), self.numerics)
 
     def _part(self, sim: _Lanes, starts, drives: Drives, settings, rows, which, segment, into: Runs) -> None:
         count = len(starts)
