@@ -120,4 +120,5 @@ def simulated(prepared: Prepared, inside: Network) -> np.ndarray:
 
 def _drives(model: Model) -> np.ndarray:
     """(n, joints) mean drive of each sample."""
-    return model.drives.reshape(len(model.record), model.substeps, -1).mean(1)
+    seen = model.drives[: len(model.record) * model.substeps]  # of clocks that are ahead, drives go on beyond the end
+    return seen.reshape(len(model.record), model.substeps, -1).mean(1)
