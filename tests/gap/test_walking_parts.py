@@ -17,7 +17,6 @@ from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
 from hamr_gap.walking import fit as fits
-from hamr_gap.walking import robot
 from hamr_gap.walking.fit import SETTLING, fit
 from hamr_gap.walking.left import trimmed
 from hamr_gap.walking.prepare import settled
@@ -260,16 +259,19 @@ def test_settings_carry_every_free_number_once():
     assert model.effects.effects[0].joints == ("fl_swing", "rl_swing", "fr_swing", "rr_swing")
 
 
-def test_kernels_with_one_law_do_what_the_whole_bank_does(monkeypatch):
-    monkeypatch.setattr(robot, "WORTH", 0)
+def test_robots_that_share_a_block_do_as_they_do_alone():
+    """Kernels pass over laws that no lane of a block uses; what others use, and what is off, changes nothing."""
     walk, _ = walked()
-    chosen = segments(walk, length_ms=8.0, every_ms=160.0)
+    chosen = segments(walk, length_ms=8.0, every_ms=160.0).some(np.arange(5))
     replay = Replay.of(Robot("simple"), chosen)
-    one = Candidate("coulomb_friction", "sign", "all")
-    more = [one, Candidate("drive_lag", "first_order", "all"), Candidate("cubic_stiffness", "cubic", "all")]
+    laws = (("coulomb_friction", "sign"), ("drive_lag", "first_order"), ("cubic_stiffness", "cubic"))
+    one, *others = (Candidate(effect, form, "all") for effect, form in laws)
+    models = [setting(free := effect_parameters([c]), np.array([f.center or 0.2 for f in free]), [c]) for c in (one, *others)]
     free = effect_parameters([one])
-    x = np.array([f.center or 0.2 for f in free])
+    models.append(setting(free, np.array([f.center or 0.2 for f in free]), [one, *others]))  # the others are off
     still = np.zeros((len(chosen), CHANGES))
-    alone, among = (replay.each(still, [setting(free, x, effects)])[0] for effects in ([one], more))
-    assert np.abs(alone - replay.each(still, [Setting()])[0]).max() > 1.0
-    assert np.allclose(alone, among, atol=1e-6)
+    together, plain = replay.each(still, models), replay.each(still, [Setting()])[0]
+    for model, found in zip(models, together, strict=True):
+        assert np.allclose(found, replay.each(still, [model])[0], atol=1e-6)
+    assert np.abs(together[0] - plain).max() > 1.0
+    assert np.allclose(together[0], together[-1], atol=1e-6)
