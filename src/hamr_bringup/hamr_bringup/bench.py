@@ -36,7 +36,7 @@ from hamr_sim_residual.residual_plant import SHIPPED, residual_plant, torque_dri
 ROUNDS, ROBOTS = 25, 256
 TROT_HZ, AMPLITUDE = 10.0, 0.2  # strides per second, rad
 ONE_STEP = "one 50 us substep of one robot, with leg law, one core"
-#: Any one effect brings the whole bank of laws with it.
+#: One law that runs; kernels pass over the others.
 EFFECTS = EffectsFile((PlacedEffect("cubic_stiffness", "cubic", JOINTS, {"cubic": 1e-3}),))
 Round = Callable[[], int]  # one round; how many substeps of one robot it was
 

@@ -35,13 +35,11 @@ BODY = (*rows(pull=2), *CHASSIS_BANK.parameter_rows)
 POSE = rows(pull=3, tow=3)
 NEAR = rows(pull=3)
 SIGNAL = rows(y=2)
-SIZES = {"force": 2, "mass": 3, "stiffness": 3, "damping": 3, "slip": 2}  # of `Equations`
-EQUATIONS = rows(**SIZES, drive=2)
+EQUATIONS = rows(**Equations.sizes(2), drive=2)
 MEASURED = tuple(f"measured.{row}" for row in rows(q=2, v=2))
 #: Outputs that take the place of an input: output -> (input, first row); those in `state` are counted from the bank's first.
-RENEWED = {
-    "acted": ("state", 0), "moved": ("state", 2), "error": ("state", 7), "new_signal": ("signal", 0), "new_equations": ("equations", 0),
-}  # fmt: skip
+RENEWED = {array: ("state", STATE.index(own[0])) for array, own in (("acted", ACTED), ("moved", MOVED), ("error", ERROR))}
+RENEWED |= {"new_signal": ("signal", 0), "new_equations": ("equations", 0)}
 Rows = dict[str, tuple[str, ...]]  # of "state" and "param", all of them
 
 
@@ -77,17 +75,16 @@ def forces(plant: Plant, arrays: Rows, drive: tuple[str, ...], ahead: Callable, 
     idle = _at(plant, stage, q, v, (0.0, 0.0), parameters(stage), h)
     equations = Equations(list(at.force), list(at.armature), list(at.stiffness), list(at.damping), [0.0] * 2)
     Acting(LEG_BANK, stage).changed(equations, q, v)
-    _write_equations(stage, "equations", equations)
+    equations.write(stage, "equations")
     stage.write("equations", "drive", vec.sub(at.torque, idle.torque))
 
     def push(stage: Stage, law: Law, h: float) -> None:
-        acting, equations, (q, v) = Acting(LEG_BANK, stage, "memory"), _equations(stage), ahead(stage)
+        acting, equations, (q, v) = Acting(LEG_BANK, stage, "memory"), Equations.read(stage, 2), ahead(stage)
         stiffness, inertia = (stage.reads("param", f"rest_{name}", 2) for name in ("stiffness", "inertia"))
         around = acting.around(q, v, stage.reads("equations", "drive", 2), stiffness, inertia, h)
         acting.pushed(law, equations, around, stage.read("state", "time"))
-        _write_equations(stage, "new_equations", equations)
-        for i, x in enumerate(stage.reads("equations", "drive", 2)):
-            stage.write("new_equations", f"drive.{i}", x)
+        equations.write(stage, "new_equations")
+        stage.write("new_equations", "drive", stage.reads("equations", "drive", 2))
 
     own = {"equations": EQUATIONS}
     return [Part(stage), *(_law(law, arrays, own, "new_equations", push, h) for law in LEG_BANK.of("force", "pair"))]
@@ -95,7 +92,7 @@ def forces(plant: Plant, arrays: Rows, drive: tuple[str, ...], ahead: Callable, 
 
 def leg(plant: Plant, stage: Stage, h: float) -> Callable:
     """The plant's leg function with the equations that `forces` made; what has moved goes to "moved"."""
-    equations, before = _equations(stage), stage.reads("state", "slip", 2)
+    equations, before = Equations.read(stage, 2), stage.reads("state", "slip", 2)
     slip = tuple(equations.slip)
     stage.write("moved", "slip", slip)
     stage.write("moved", "slip_rate", vec.scale(vec.sub(slip, before), 1.0 / h))
@@ -146,12 +143,10 @@ def surroundings(stage: Stage, state, matrix: tuple) -> tuple:
 def _law(law: Law, arrays: Rows, own: Rows, output: str, act: Callable, h: float) -> Part:
     """A law at all its places, as a part that changes rows of an output."""
     name, form = law
-    memory = LEG_BANK.memory(law)
     outputs = {"acted": ACTED, "new_signal": SIGNAL, "new_equations": EQUATIONS}
-    stage = Stage(f"{name}_{form.name}", arrays | own, {output: outputs[output], "memory": memory})
+    stage = Stage(f"{name}_{form.name}", arrays | own, {output: outputs[output], "memory": LEG_BANK.memory(law)})
     act(stage, law, h)
-    sizes = tuple(map(arrays["param"].index, LEG_BANK.sizes(law)))
-    return Part(stage, sizes, arrays["state"].index(memory[0]) if memory else 0, f"{name}.{form.name}.")
+    return LEG_BANK.part(law, stage, **arrays)
 
 
 def _bend_reading(stage: Stage, law: Law, h: float) -> None:
@@ -168,12 +163,3 @@ def _reading(stage: Stage, angle: tuple, h: float) -> tuple[tuple, tuple, tuple]
     error = vec.sub(angle, stage.reads("state", "q", 2))
     change = vec.sub(error, stage.reads("state", "error", 2))
     return angle, vec.add(stage.reads("state", "v", 2), vec.scale(change, 1.0 / h)), error
-
-
-def _equations(stage: Stage) -> Equations:
-    return Equations(*(list(stage.reads("equations", name, size)) for name, size in SIZES.items()))
-
-
-def _write_equations(stage: Stage, array: str, equations: Equations) -> None:
-    for name in SIZES:
-        stage.write(array, name, tuple(getattr(equations, name)))

@@ -89,6 +89,14 @@ class Part:
     own: str = ""
 
 
+def part_body(part: Part, lanes: int, *, work: Mapping[str, int], indent: int, flag: str) -> str:
+    """`loop_body` of a part, which a law runs only where its flag is set."""
+    if not part.sizes:
+        return loop_body(part.stage, lanes, work=work, indent=indent)
+    own = {**work, "memory": work["state"] + part.memory * lanes}
+    return f"{' ' * indent}if {flag}:\n" + loop_body(part.stage, lanes, work=own, indent=indent + 4)
+
+
 def loop_source(stage: Stage, lanes: int) -> str:
     """Python source of `def NAME(inputs..., outputs...)`: the stage over all lanes, each array an argument."""
     return f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):\n" + loop_body(stage, lanes)

@@ -12,7 +12,7 @@ from types import ModuleType
 import numpy as np
 
 from .driver import HEADER
-from .emit import loop_body
+from .emit import part_body
 from .kernels import load_source
 from .machine import Machine
 from .machine_stages import arrays, parts
@@ -53,18 +53,20 @@ def source(machine: Machine) -> str:
     for array, rows in arrays(machine).items():
         places[array] = places[f"new_{array}"] = end
         end += len(rows) * LANES
-    lines, law = [], 0
-    for part in parts(machine):
-        work = places | {"memory": places["state"] + part.memory * LANES}
-        if part.sizes:
-            lines.append(f"            if used[b, {law}]:\n")
-            law += 1
-        lines.append(loop_body(part.stage, LANES, work=work, indent=16 if part.sizes else 12))
+    step = parts_body(machine, places, indent=12)
     head = HEADER.format(plant=f"{len(machine.joints)} joints", environment="machine", dtype="float64")
     return head + RUN.format(
-        size=end, lanes=LANES, joints=len(machine.joints), channels=len(machine.channels), step="".join(lines).rstrip(),
+        size=end, lanes=LANES, joints=len(machine.joints), channels=len(machine.channels), step=step,
         **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
+
+
+def parts_body(machine: Machine, places: dict[str, int], indent: int) -> str:
+    """Source of the parts of a step, in order, the k-th law behind `used[b, k]`."""
+    found = parts(machine)
+    laws = [part for part in found if part.sizes]
+    flags = (f"used[b, {laws.index(part)}]" if part.sizes else "" for part in found)
+    return "".join(part_body(part, LANES, work=places, indent=indent, flag=flag) for part, flag in zip(found, flags, strict=True)).rstrip()
 
 
 @lru_cache(maxsize=16)

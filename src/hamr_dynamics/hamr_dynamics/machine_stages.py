@@ -24,15 +24,9 @@ def arrays(machine: Machine) -> dict[str, tuple[str, ...]]:
         "state": machine.state_rows,
         "param": machine.parameter_rows,
         "drive": tuple(f"u.{j}" for j in range(n)),
-        "equations": tuple(f"{name}.{i}" for name, size in (_sizes(n) | {"drive": n}).items() for i in range(size)),
+        "equations": tuple(f"{name}.{i}" for name, size in (Equations.sizes(n) | {"drive": n}).items() for i in range(size)),
         "seen": tuple(f"y.{c}" for c in range(len(machine.channels))),
     }
-
-
-def _sizes(n: int) -> dict[str, int]:
-    """Numbers in each field of `Equations` of n joints."""
-    matrix = 3 if n == 2 else 1
-    return {"force": n, "mass": matrix, "stiffness": matrix, "damping": matrix, "slip": n}
 
 
 def parts(machine: Machine) -> list[Part]:
@@ -68,7 +62,7 @@ def _terms(machine: Machine) -> Stage:
     force = [x - b for x, b in zip(terms.force, terms.bias, strict=True)]
     equations = Equations(force, list(terms.mass), list(terms.stiffness), list(terms.damping), [0.0] * n)
     Acting(machine.bank, stage).changed(equations, q, v)
-    _write_equations(stage, "equations", equations)
+    equations.write(stage, "equations")
     stage.write("equations", "drive", tuple(terms.drive))
     return stage
 
@@ -76,7 +70,7 @@ def _terms(machine: Machine) -> Stage:
 def _solve(machine: Machine) -> Stage:
     stage, n = _stage(machine, "solve", "new_state", "seen"), len(machine.joints)
     q, v, h = stage.reads("state", "q", n), stage.reads("state", "v", n), stage.read("param", "step")
-    equations = _equations(machine, stage)
+    equations = Equations.read(stage, n)
     matrices = zip(equations.mass, equations.damping, equations.stiffness, strict=True)
     left = tuple(m + (0.5 * h) * d + (0.25 * h * h) * k for m, d, k in matrices)
     kick = tuple(h * f for f in equations.force)
@@ -97,12 +91,10 @@ def _solve(machine: Machine) -> Stage:
 def _law(machine: Machine, law: Law) -> Part:
     """A law at all its places."""
     name, form = law
-    memory = machine.bank.memory(law)
     act, output = _ACTS[form.acts]
-    stage = _stage(machine, f"{name}_{form.name}", output, memory=memory)
+    stage = _stage(machine, f"{name}_{form.name}", output, memory=machine.bank.memory(law))
     act(machine, stage, law)
-    sizes = tuple(map(machine.parameter_rows.index, machine.bank.sizes(law)))
-    return Part(stage, sizes, machine.state_rows.index(memory[0]) if memory else 0)
+    return machine.bank.part(law, stage, machine.state_rows, machine.parameter_rows)
 
 
 def _bend_drive(machine: Machine, stage: Stage, law: Law) -> None:
@@ -114,10 +106,10 @@ def _push(machine: Machine, stage: Stage, law: Law) -> None:
     q, v, h = _middle(machine, stage)
     joints = range(len(machine.joints))
     stiffness, inertia = (tuple(machine.diagonal(x, j) for j in joints) for x in (machine.at_rest.stiffness, machine.at_rest.mass))
-    acting, equations = Acting(machine.bank, stage, "memory"), _equations(machine, stage)
+    acting, equations = Acting(machine.bank, stage, "memory"), Equations.read(stage, len(joints))
     at = acting.around(q, v, stage.reads("equations", "drive", len(joints)), stiffness, inertia, h)
     acting.pushed(law, equations, at, stage.read("state", "time"))
-    _write_equations(stage, "new_equations", equations)
+    equations.write(stage, "new_equations")
 
 
 def _bend_reading(machine: Machine, stage: Stage, law: Law) -> None:
@@ -137,12 +129,3 @@ def _middle(machine: Machine, stage: Stage) -> tuple[tuple, tuple, object]:
     n, h = len(machine.joints), stage.read("param", "step")
     q, v = stage.reads("state", "q", n), stage.reads("state", "v", n)
     return tuple(x + (0.5 * h) * y for x, y in zip(q, v, strict=True)), v, h
-
-
-def _equations(machine: Machine, stage: Stage) -> Equations:
-    return Equations(*(list(stage.reads("equations", name, size)) for name, size in _sizes(len(machine.joints)).items()))
-
-
-def _write_equations(stage: Stage, array: str, equations: Equations) -> None:
-    for name in _sizes(len(equations.force)):
-        stage.write(array, name, tuple(getattr(equations, name)))

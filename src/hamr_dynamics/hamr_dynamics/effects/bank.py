@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..emit import Stage
+from ..emit import Part, Stage
 from ..vec import add
 from .law import Form, Input, Joint, Motion, Pair, PairPush, Push, Scales, Signal
 from .library import library
@@ -62,10 +63,12 @@ class Bank:
         name, form = law
         return tuple(f"{name}.{form.name}.z{i}.{place}" for place in self.places(form) for i in range(form.states))
 
-    def sizes(self, law: Law) -> tuple[str, ...]:
-        """Rows that are zero when a law does nothing."""
+    def part(self, law: Law, stage: Stage, state: Sequence[str], param: Sequence[str]) -> Part:
+        """A law, traced in a stage, as a part that is left out where its sizes are zero; `state`, `param`: all rows of these arrays."""
         name, form = law
-        return tuple(f"{name}.{form.name}.{size.name}.{place}" for size in form.sizes for place in self.places(form))
+        sizes = (f"{name}.{form.name}.{size.name}.{place}" for size in form.sizes for place in self.places(form))
+        memory = self.memory(law)
+        return Part(stage, tuple(map(param.index, sizes)), state.index(memory[0]) if memory else 0, f"{name}.{form.name}.")
 
     def neutral(self, scales: Scales) -> np.ndarray:
         """(rows,) with nothing changed and no effect: sizes zero, shapes at their typical value."""
@@ -90,6 +93,22 @@ class Equations:
     stiffness: list
     damping: list
     slip: list
+
+    @staticmethod
+    def sizes(n: int) -> dict[str, int]:
+        """Numbers in each field, of n joints."""
+        matrix = 3 if n == 2 else 1
+        return {"force": n, "mass": matrix, "stiffness": matrix, "damping": matrix, "slip": n}
+
+    @classmethod
+    def read(cls, stage: Stage, n: int) -> Equations:
+        """Of n joints, from the rows of "equations"."""
+        return cls(*(list(stage.reads("equations", name, size)) for name, size in cls.sizes(n).items()))
+
+    def write(self, stage: Stage, array: str) -> None:
+        """As rows of an array."""
+        for name in self.sizes(len(self.force)):
+            stage.write(array, name, tuple(getattr(self, name)))
 
     def diagonal(self, j: int) -> int:
         """Where entry jj of a matrix is."""
@@ -119,13 +138,6 @@ class Acting:
         self._bank, self._stage, self._new, self._param = bank, stage, new, param
         self._joints = range(bank.joints)
 
-    def drive(self, u: tuple, time, step) -> tuple:
-        """(n,) drive that acts, of the commanded one."""
-        u = self.gained(u)
-        for law in self._bank.of("drive"):
-            u = self.driven(law, u, time, step)
-        return u
-
     def gained(self, u: tuple) -> tuple:
         """(n,) drive with the re-tuned gain."""
         return tuple(x + g * x for x, g in zip(u, self._change("gain"), strict=True))
@@ -134,15 +146,8 @@ class Acting:
         """(n,) drive as one law leaves it."""
         return tuple(self._act(law, j, Input(u[j], u, j, time, step)) for j in self._joints)
 
-    def push(self, equations: Equations, q: tuple, v: tuple, drive: tuple, stiffness: tuple, inertia: tuple, time, step) -> None:
-        """Adds changes and effects to the equations; stiffness and inertia (n,) are the machine's own at rest, without changes."""
-        at = self.around(q, v, drive, stiffness, inertia, step)
-        self.changed(equations, q, v)
-        for law in (*self._bank.of("force"), *self._bank.of("pair")):
-            self.pushed(law, equations, at, time)
-
     def around(self, q: tuple, v: tuple, drive: tuple, stiffness: tuple, inertia: tuple, step) -> Pair:
-        """What forces see of all joints (two, or the only one); arguments as of `push`."""
+        """What forces see of all joints (two, or the only one); stiffness and inertia (n,) are the machine's own at rest, unchanged."""
         change = self._changes()
         stiff = tuple(x + y for x, y in zip(stiffness, change["stiffness"], strict=True))
         heavy = tuple(x + y for x, y in zip(inertia, change["inertia"], strict=True))

@@ -11,11 +11,10 @@ from types import ModuleType
 import numpy as np
 
 from hamr_dynamics.driver import HEADER
-from hamr_dynamics.emit import loop_body
 from hamr_dynamics.kernels import load_source
 from hamr_dynamics.machine import Machine
-from hamr_dynamics.machine_kernel import LANES, used_laws
-from hamr_dynamics.machine_stages import arrays, parts
+from hamr_dynamics.machine_kernel import LANES, parts_body, used_laws
+from hamr_dynamics.machine_stages import arrays
 
 RUN = """
 
@@ -83,16 +82,9 @@ def _module(machine: Machine) -> ModuleType:
     for array, names in arrays(machine).items():
         places[array] = places[f"new_{array}"] = end
         end += len(names) * LANES
-    lines, law = [], 0
-    for part in parts(machine):
-        work = places | {"memory": places["state"] + part.memory * LANES}
-        if part.sizes:
-            lines.append(f"                if used[b, {law}]:\n")
-            law += 1
-        lines.append(loop_body(part.stage, LANES, work=work, indent=20 if part.sizes else 16))
     joints = len(machine.joints)
     text = RUN.format(
-        size=end, lanes=LANES, joints=joints, channels=len(machine.channels), step="".join(lines).rstrip(),
+        size=end, lanes=LANES, joints=joints, channels=len(machine.channels), step=parts_body(machine, places, indent=16),
         **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
     return load_source(f"forced_{joints}", HEADER.format(plant=f"{joints} joints", environment="forced", dtype="float64") + text)
