@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -151,6 +152,17 @@ def test_a_bounded_step_is_the_best_within_its_bounds():
     hessian, gradient = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([1.0, -1.0])  # free: (1, -1)
     step = everything._bounded(hessian, gradient, np.array([-5.0, 0.0]), np.array([5.0, 5.0]))
     np.testing.assert_allclose(step, [0.5, 0.0], atol=1e-6)  # with the second held at 0, 2 x = 1
+
+
+def test_a_network_sees_the_mean_drive_of_each_sample_also_where_a_clock_is_ahead(bent):
+    """Drives then go on beyond the record's end."""
+    model = bent.weighed.model
+    seen = residual_network._drives(model)
+    assert seen.shape == (len(model.record), 1)
+    beyond = np.concatenate([model.drives, model.drives[-1:].repeat(3, 0)])
+    longer = SimpleNamespace(record=model.record, substeps=model.substeps, drives=beyond)
+    np.testing.assert_array_equal(residual_network._drives(longer), seen)
+    np.testing.assert_allclose(seen[7], model.drives[7 * model.substeps : 8 * model.substeps].mean(0), rtol=1e-12)
 
 
 def test_a_network_that_says_nothing_leaves_the_run_as_it_is(bent):
