@@ -18,6 +18,16 @@ FRICTION, SLOPE, TETHER, LAG = (
 )  # fmt: skip
 
 
+class Segments(list):
+    """As many segments as there are numbers in it."""
+
+    def __init__(self, count):
+        super().__init__(range(count))
+
+    def some(self, which):
+        return Segments(len(which))
+
+
 def left(share: float, *effects: Candidate) -> Hypothesis:
     return Hypothesis(effects, SimpleNamespace(model=None, free=()), share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))))
 
@@ -77,19 +87,29 @@ def test_what_would_be_no_gap_alone_leaves_nothing_unknown(monkeypatch, best, wo
     assert analyse.analyse("simple", None).word == word
 
 
-def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeypatch):
-    state, fitted = searched(9.0), {}
-    state.base.fit.free = (None, None)
-    monkeypatch.setattr(search, "start", lambda replay, model: SimpleNamespace(change=model))
+@pytest.mark.parametrize(("looked", "kept"), [(0.9, True), (1.1, False)])
+def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeypatch, looked, kept):
+    """All are looked at on every second segment, and fitted for good only where that leaves less than the re-tuned model leaves there."""
+    state, brief, good = searched(9.0), {}, {}
+    state.base.fit.free, state.base.fit.residual = (None, None), np.tile([[2.0, 1.0], [50.0, 50.0]], (4, 1))
+    state.prepared.parts["fit"] = Segments(8)
 
-    def fit(replay, free, x, effects, begun):
-        assert begun == Setting()
+    def start(replay, model):
+        assert model == Setting()
+        return SimpleNamespace(change=np.arange(8))
+
+    def fit(replay, free, x, effects, begun, rounds=None):
+        np.testing.assert_array_equal(begun, np.arange(8) if rounds is None else [0, 2, 4, 6])
+        assert len(replay) == len(begun)
         (own,) = effects
-        fitted[own.effect, own.place] = x[:2], [f.low < value < f.high for f, value in zip(free[2:], x[2:], strict=True)]
+        done = good if rounds is None else brief
+        done[own.effect, own.place] = x[:2], [f.low < value < f.high for f, value in zip(free[2:], x[2:], strict=True)]
+        return SimpleNamespace(cost=looked * 4 * 0.5 * (2.0**2 + 1.0**2))
 
+    monkeypatch.setattr(search, "start", start)
     monkeypatch.setattr(search, "fit", fit)
-    search._outside(state)
-    assert {effect for effect, _ in fitted} == {
+    found = search._outside(state)
+    assert {effect for effect, _ in brief} == {
         "added_mass",
         "air_drag",
         "gravity_tilt",
@@ -97,8 +117,10 @@ def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeyp
         "ground_friction",
         "tether_force",
     }
-    assert {place for _, place in fitted} == {"chassis", "all"}
-    assert all((robot == 0.0).all() and all(inside) for robot, inside in fitted.values())
+    assert {place for _, place in brief} == {"chassis", "all"}
+    assert all((robot == 0.0).all() and all(inside) for robot, inside in (*brief.values(), *good.values()))
+    assert good.keys() == (brief.keys() if kept else set())
+    assert bool(found) == kept
 
 
 def test_responses_are_chords_inside_what_a_size_may_be():

@@ -57,6 +57,12 @@ def weights(residual: np.ndarray) -> np.ndarray:
     return np.minimum(1.0, BAD * usual / cost) / max(1.0, 2.0 * usual / residual.shape[1])
 
 
+def limited(residual: np.ndarray) -> float:
+    """Half squares of residuals (s, c), limited where a segment is far worse than most."""
+    each = half_squares(residual)
+    return float(np.minimum(each, BAD * np.median(each)).sum())
+
+
 def columns(
     replay: Replay, free: Sequence[Free], x: np.ndarray, effects: Sequence[Candidate], change: np.ndarray, residual: np.ndarray,
     known: np.ndarray | None = None,
@@ -121,8 +127,7 @@ def fit(
         weight = weights(residual)
         if gained < TOLERANCE * cost:
             break
-    each = half_squares(residual)
-    return Fit(tuple(free), x, tuple(effects), change, residual, float(np.minimum(each, BAD * np.median(each)).sum()), hessian)
+    return Fit(tuple(free), x, tuple(effects), change, residual, limited(residual), hessian)
 
 
 def _followed(

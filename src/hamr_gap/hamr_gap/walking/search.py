@@ -13,7 +13,7 @@ from hamr_dynamics.effects.effects_file import OF_THE_CHASSIS
 from ..hypothesis import Hypothesis
 from ..parameters import Free
 from .candidates import PLACES, forms, kind
-from .fit import ROUNDS, Fit, fit
+from .fit import ROUNDS, Fit, fit, limited
 from .left import left_of
 from .prepare import Prepared, prepare, settled
 from .screen import Screen, Solution
@@ -28,7 +28,7 @@ KEPT, PAIRS, TOGETHER = 12, 3, 2  # singles of which pairs are made; pairs looke
 POLISHED, RIVAL, TIMES = 3, 1.5, 2  # how many are taken up again, that leave less than so many times what the best leaves; and how often
 SETTLING = 3  # times that the best may change hands by that
 ENOUGH = 0.03  # of the gap, that another effect must promise
-OUTSIDE = (*OF_THE_CHASSIS, "foot")  # what forms act on that are no part of a leg
+OUTSIDE, AFAR = (*OF_THE_CHASSIS, "foot"), 6  # what forms act on that are no part of a leg, and rounds of a look at them from afar
 EDGE = 1e-3  # of a prior's width: a fit starts inside its bounds
 
 
@@ -116,16 +116,18 @@ def _inside(own: Sequence[Free], x: Sequence[float]) -> np.ndarray:
 
 
 def _outside(state: Search) -> list[Fit]:
-    """What acts on the chassis and the feet, fitted for good from the model as given.
+    """What acts on the chassis and the feet, fitted from the model as given: for good, if a look leaves less than the re-tuned model does.
 
     A re-tune without it takes it up with drives and springs, from where no step leads back; and it is little, and quick to simulate.
     """
-    replay, free = state.prepared.parts["fit"], state.base.fit.free
-    begun, found = start(replay, Setting()).change, []
+    replay, base = state.prepared.parts["fit"], state.base.fit
+    some = np.arange(0, len(replay), EACH)
+    begun, most, found = start(replay, Setting()).change, limited(base.residual[some]), []
     for c in (Candidate(effect, form.name, PLACES[kind(form)][0]) for effect, form in forms() if form.acts in OUTSIDE):
         own = effect_parameters([c])
-        x = np.concatenate([np.zeros(len(free)), _inside(own, [f.center for f in own])])
-        found.append(fit(replay, [*free, *own], x, (c,), begun))
+        x = np.concatenate([np.zeros(len(base.free)), _inside(own, [f.center for f in own])])
+        if fit(replay.some(some), [*base.free, *own], x, (c,), begun[some], rounds=AFAR).cost < most:
+            found.append(fit(replay, [*base.free, *own], x, (c,), begun))
     return found
 
 
