@@ -58,6 +58,9 @@ def test_the_right_set_has_what_noise_free_data_do_not_tell_apart_and_nothing_th
     ]  # fmt: skip
     assert right_set(truth, rivals) == {truth, names(one("piezo_hysteresis"))}
     assert right_set(truth, [[one("viscoelasticity"), 9.0]]) == {truth}
+    at_both, elsewhere, wider = ([[effect, "", joints]] for effect, joints in (("coulomb_friction", ["s", "l"]), ("coulomb_friction", ["l"]),
+                                                                              ("stribeck_friction", ["s", "l"])))  # fmt: skip
+    assert right_set(truth, [[at_both, 0.4], [wider, 0.3], [elsewhere, 3.0]]) == {truth, names(elsewhere)}
 
 
 def test_every_case_has_a_line(tmp_path):

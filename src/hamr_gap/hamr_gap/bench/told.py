@@ -63,10 +63,13 @@ def right_set(truth: frozenset, rivals: Sequence) -> set[frozenset]:
 
 
 def _wider(some: frozenset, other: frozenset) -> bool:
-    if other < some:
-        return True
-    changed = {(inner, place) for family, place in some - other for inner in library()[family].contains}
-    return bool(changed) and len(some) == len(other) and other - some <= changed
+    """Whether names have others as a special case: they are more, or at more joints, or their laws contain the others'."""
+    return some != other and len(other) <= len(some) and all(any(_within(effect, wide) for wide in some) for effect in other)
+
+
+def _within(effect: tuple, wide: tuple) -> bool:
+    (family, joints), (its, all_joints) = effect, wide
+    return family in (its, *library()[its].contains) and set(joints) <= set(all_joints)
 
 
 def held(case: Scored, forms: dict) -> Iterator[bool]:
