@@ -58,8 +58,8 @@ def test_the_right_set_has_what_noise_free_data_do_not_tell_apart_and_nothing_th
     ]  # fmt: skip
     assert right_set(truth, rivals) == {truth, names(one("piezo_hysteresis"))}
     assert right_set(truth, [[one("viscoelasticity"), 9.0]]) == {truth}
-    at_both, elsewhere, wider = ([[effect, "", joints]] for effect, joints in (("coulomb_friction", ["s", "l"]), ("coulomb_friction", ["l"]),
-                                                                              ("stribeck_friction", ["s", "l"])))  # fmt: skip
+    places = {"coulomb_friction": (["s", "l"], ["l"]), "stribeck_friction": (["s", "l"],)}
+    at_both, elsewhere, wider = ([[effect, "", joints]] for effect, places_of in places.items() for joints in places_of)
     assert right_set(truth, [[at_both, 0.4], [wider, 0.3], [elsewhere, 3.0]]) == {truth, names(elsewhere)}
 
 
