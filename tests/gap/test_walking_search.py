@@ -87,24 +87,26 @@ def test_what_would_be_no_gap_alone_leaves_nothing_unknown(monkeypatch, best, wo
     assert analyse.analyse("simple", None).word == word
 
 
-@pytest.mark.parametrize(("looked", "kept"), [(0.9, True), (1.1, False)])
-def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeypatch, looked, kept):
-    """All are looked at on every second segment, and fitted for good only where that leaves less than the re-tuned model leaves there."""
+@pytest.mark.parametrize(("share", "kept"), [(1.4, {"added_mass", "gravity_tilt"}), (2.9, {"gravity_tilt"}), (3.1, set())])
+def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeypatch, share, kept):
+    """All briefly, on every second segment; for good the best two, where they leave less than half again of what the re-tune leaves."""
     state, brief, good = searched(9.0), {}, {}
     state.base.fit.free, state.base.fit.residual = (None, None), np.tile([[2.0, 1.0], [50.0, 50.0]], (4, 1))
     state.prepared.parts["fit"] = Segments(8)
+    of_the_re_tune = 4 * 0.5 * (2.0**2 + 1.0**2)
 
     def start(replay, model):
         assert model == Setting()
         return SimpleNamespace(change=np.arange(8))
 
-    def fit(replay, free, x, effects, begun, rounds=None):
-        np.testing.assert_array_equal(begun, np.arange(8) if rounds is None else [0, 2, 4, 6])
+    def fit(replay, free, x, effects, begun, rounds):
+        np.testing.assert_array_equal(begun, np.arange(8) if rounds == search.ROUNDS else [0, 2, 4, 6])
         assert len(replay) == len(begun)
         (own,) = effects
-        done = good if rounds is None else brief
+        done = good if rounds == search.ROUNDS else brief
         done[own.effect, own.place] = x[:2], [f.low < value < f.high for f, value in zip(free[2:], x[2:], strict=True)]
-        return SimpleNamespace(cost=looked * 4 * 0.5 * (2.0**2 + 1.0**2))
+        shares = {"gravity_tilt": 0.5 * share, "added_mass": share}
+        return SimpleNamespace(cost=shares.get(own.effect, share + 0.1) * of_the_re_tune)
 
     monkeypatch.setattr(search, "start", start)
     monkeypatch.setattr(search, "fit", fit)
@@ -119,8 +121,8 @@ def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeyp
     }
     assert {place for _, place in brief} == {"chassis", "all"}
     assert all((robot == 0.0).all() and all(inside) for robot, inside in (*brief.values(), *good.values()))
-    assert good.keys() == (brief.keys() if kept else set())
-    assert bool(found) == kept
+    assert {effect for effect, _ in good} == kept
+    assert len(found) == len(kept)
 
 
 def test_responses_are_chords_inside_what_a_size_may_be():

@@ -28,7 +28,8 @@ KEPT, PAIRS, TOGETHER = 12, 3, 2  # singles of which pairs are made; pairs looke
 POLISHED, RIVAL, TIMES = 3, 1.5, 2  # how many are taken up again, that leave less than so many times what the best leaves; and how often
 SETTLING = 3  # times that the best may change hands by that
 ENOUGH = 0.03  # of the gap, that another effect must promise
-OUTSIDE, AFAR = (*OF_THE_CHASSIS, "foot"), 6  # what forms act on that are no part of a leg, and rounds of a look at them from afar
+OUTSIDE = (*OF_THE_CHASSIS, "foot")  # what forms act on that are no part of a leg
+AFAR, NEAR = 6, 2  # rounds of a look from the model as given, and how many are fitted for good that leave less than RIVAL times the re-tune
 EDGE = 1e-3  # of a prior's width: a fit starts inside its bounds
 
 
@@ -116,19 +117,22 @@ def _inside(own: Sequence[Free], x: Sequence[float]) -> np.ndarray:
 
 
 def _outside(state: Search) -> list[Fit]:
-    """What acts on the chassis and the feet, fitted from the model as given: for good, if a look leaves less than the re-tuned model does.
+    """What acts on the chassis and the feet, from the model as given: all briefly, and for good what may do better than the re-tune.
 
     A re-tune without it takes it up with drives and springs, from where no step leads back; and it is little, and quick to simulate.
     """
     replay, base = state.prepared.parts["fit"], state.base.fit
     some = np.arange(0, len(replay), EACH)
-    begun, most, found = start(replay, Setting()).change, limited(base.residual[some]), []
-    for c in (Candidate(effect, form.name, PLACES[kind(form)][0]) for effect, form in forms() if form.acts in OUTSIDE):
+    begun, most, cost = start(replay, Setting()).change, RIVAL * limited(base.residual[some]), {}
+
+    def fitted(c: Candidate, which: np.ndarray, rounds: int) -> Fit:
         own = effect_parameters([c])
         x = np.concatenate([np.zeros(len(base.free)), _inside(own, [f.center for f in own])])
-        if fit(replay.some(some), [*base.free, *own], x, (c,), begun[some], rounds=AFAR).cost < most:
-            found.append(fit(replay, [*base.free, *own], x, (c,), begun))
-    return found
+        return fit(replay.some(which), [*base.free, *own], x, (c,), begun[which], rounds=rounds)
+
+    for c in (Candidate(effect, form.name, PLACES[kind(form)][0]) for effect, form in forms() if form.acts in OUTSIDE):
+        cost[c] = fitted(c, some, AFAR).cost
+    return [fitted(c, np.arange(len(replay)), ROUNDS) for c in sorted(cost, key=cost.get)[:NEAR] if cost[c] < most]
 
 
 def _judged(state: Search, found: Fit) -> Hypothesis:
