@@ -10,14 +10,15 @@ import numpy as np
 class Eliminated:
     """Slopes of segments with the starts eliminated: what is left of readings once each start has adapted.
 
-    Segments whose runs diverged pull nowhere.
+    Segments whose runs diverged pull nowhere, and a start is left as it is in directions whose probe diverged.
     """
 
     def __init__(self, slopes: np.ndarray) -> None:
         """Args: slopes (s, c, 28)."""
         self._slopes = slopes
         self._gram = np.einsum("sci,scj->sij", slopes, slopes, optimize=True)
-        self._gram[~slopes.any((1, 2))] = np.eye(slopes.shape[2])  # diverged, whatever its start
+        blind, which = np.nonzero(~slopes.any(1))
+        self._gram[blind, which, which] = 1.0  # of directions that nothing is known of
 
     def normal(self, columns: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(P, P) and (P,) normal equations of columns (s, c, P) against residuals (s, c) of segments with weights (s,)."""
