@@ -45,8 +45,37 @@ def test_a_rival_is_measured_by_what_the_best_left_before_it_was_taken_up(monkey
     state, done = searched(9.0, left(2.0, SLOPE), left(2.0 * others, TETHER)), []
     monkeypatch.setattr(search, "_from_given", lambda state, found: found)
     monkeypatch.setattr(search, "_settled", lambda state, *begun: done.append(begun) or left(1.0, SLOPE))
-    search._polish(state)
+    search._polish(state, 2)
     assert len(done) == 1 + taken_up
+
+
+@pytest.mark.parametrize(("best", "taken_up", "paired"), [(9.0 - 2.0 * LEAST, 3, 1), (9.0 - 0.5 * LEAST, 1, 0)])
+def test_the_best_is_taken_up_again_though_it_gains_little_at_first(monkeypatch, best, taken_up, paired):
+    """Its start may be all that is wrong with it; what else there is, and pairs, only where a name gains what counts as a gap."""
+    tried = left(best, SLOPE), left(9.0, TETHER), left(9.0, LAG), left(9.0, FRICTION)
+    state, done = searched(9.0), {"polished": 0, "paired": 0}
+    state.prepared.base.fit.free = ()
+    monkeypatch.setattr(search, "prepare", lambda *_: state.prepared)
+    monkeypatch.setattr(search, "Screen", lambda *_: SimpleNamespace(singles=lambda: []))
+    monkeypatch.setattr(search, "_best", lambda *_: [])
+    monkeypatch.setattr(search, "_outside", lambda _: tried)
+    monkeypatch.setattr(search, "_judged", lambda _, found: found)
+    monkeypatch.setattr(search, "_from_given", lambda _, found: found)
+    monkeypatch.setattr(search, "_settle", lambda _: None)
+
+    def settled(_, found, anew):
+        done["polished"] += 1
+        return next(h for h in tried if h.fit is found)
+
+    def pairs(*_):
+        done["paired"] += 1
+        return []
+
+    monkeypatch.setattr(search, "_settled", settled)
+    monkeypatch.setattr(search, "_pairs", pairs)
+    state.prepared.from_ = lambda _: state.prepared
+    search.search("simple", None)
+    assert done == {"polished": taken_up, "paired": paired}
 
 
 def test_pairs_that_look_best_are_fitted_for_good(monkeypatch):

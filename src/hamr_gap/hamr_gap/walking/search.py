@@ -84,8 +84,8 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
     singles = seen.singles()
     report("singles")
     state.tried += [_judged(state, found) for found in (*(_fitted(state, seen, s) for s in _best(state, seen, singles)), *_outside(state))]
-    if state.base.left - state.best.left > state.prepared.least:
-        _polish(state)
+    _polish(state, POLISHED if _gains(state) else 1)
+    if _gains(state):
         report("sets of 2")
         state.tried += _pairs(state, seen, singles)
         _settle(state)
@@ -163,13 +163,18 @@ def _one_of_each(solutions: Sequence[Solution], count: int) -> list[Solution]:
     return list(first.values())[:count]
 
 
-def _polish(state: Search) -> None:
-    """Takes up the best again from better starts: those of the re-tuned model may have feet where only a wrong model puts them.
+def _gains(state: Search) -> bool:
+    """Whether the best takes off as much as counts as a gap."""
+    return state.base.left - state.best.left > state.prepared.least
+
+
+def _polish(state: Search, count: int) -> None:
+    """Takes up so many of the best again from better starts: those of the re-tuned model may have feet where only a wrong model puts them.
 
     So may its parameters be where only a want of the effect has put them, and the model as given, with the effect, is the better place.
     """
     most = RIVAL * state.best.left  # of what the best leaves before any is taken up: the others may gain as much by that
-    for h in sorted(state.tried, key=lambda h: h.left)[:POLISHED]:
+    for h in sorted(state.tried, key=lambda h: h.left)[:count]:
         if h.left < most:
             state.tried[state.tried.index(h)] = _settled(state, h.fit, _from_given(state, h.fit))
 
