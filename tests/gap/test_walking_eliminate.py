@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hamr_gap.walking.eliminate import Eliminated
+from hamr_gap.walking.eliminate import STEEP, Eliminated
 
 SEGMENTS, READINGS, STARTS, SHARED = 5, 40, 6, 3
 
@@ -49,3 +49,22 @@ def test_starts_step_where_something_is_known(problem, damping):
     gram = known.T @ known
     expected = np.linalg.solve(gram + damping * np.diag(np.diag(gram)), known.T @ residual[1])
     np.testing.assert_allclose(np.delete(steps[1], 2), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.9 * STEEP, 1e10, 1e100, 1e200])
+@pytest.mark.parametrize("alike", [(0, 3), (0, 3, 4)])
+def test_probes_on_their_way_to_diverge_leave_nothing_singular(size, alike):
+    """Directions alike have their priors alone to tell them apart, which the squares of senseless slopes would swallow."""
+    random = np.random.default_rng(6)
+    slopes = np.concatenate([random.normal(size=(1, 600, STARTS)), np.eye(STARTS)[None]], axis=1)
+    slopes[0, :600, alike] = size * random.uniform(-1.0, 1.0, 600)
+    residual = random.normal(size=(1, 600 + STARTS))
+    linear = Eliminated(slopes)
+    (steps,) = linear.starts(residual, [0.0])
+    hessian, gradient = linear.normal(random.normal(size=(1, 600 + STARTS, SHARED)), residual, np.ones(1))
+    assert np.linalg.eigvalsh(hessian).min() > 0.0
+    assert np.isfinite(gradient).all()
+    if size > STEEP:
+        np.testing.assert_array_equal(steps[0, alike], 0.0)
+    others = np.delete(np.arange(STARTS), alike)
+    assert np.all(steps[0, others] != 0.0)

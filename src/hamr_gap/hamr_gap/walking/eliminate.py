@@ -6,6 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+#: Noises of a reading by one standard deviation of a start, from where on a probe has as good as diverged. Squares of such slopes, of
+#: all readings together, still leave room in a double for a prior's 1, without which directions alike would be singular.
+STEEP = 1e5
+
 
 class Eliminated:
     """Slopes of segments with the starts eliminated: what is left of readings once each start has adapted.
@@ -15,9 +19,10 @@ class Eliminated:
 
     def __init__(self, slopes: np.ndarray) -> None:
         """Args: slopes (s, c, 28)."""
-        self._slopes = slopes
+        known = (np.abs(slopes) < STEEP).all(1) & slopes.any(1)
+        self._slopes = slopes = np.where(known[:, None], slopes, 0.0)
         self._gram = np.einsum("sci,scj->sij", slopes, slopes, optimize=True)
-        blind, which = np.nonzero(~slopes.any(1))
+        blind, which = np.nonzero(~known)
         self._gram[blind, which, which] = 1.0  # of directions that nothing is known of
 
     def normal(self, columns: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -101,5 +101,6 @@ def chord(residual: np.ndarray, probed: np.ndarray) -> np.ndarray:
 
 def half_squares(residual: np.ndarray) -> np.ndarray:
     """(n,) of (n, c); infinite where a run diverged."""
-    cost = 0.5 * np.sum(residual**2, 1)
+    with np.errstate(over="ignore"):  # as a run does that diverges and has not got to infinity yet
+        cost = 0.5 * np.sum(residual**2, 1)
     return np.where(np.isfinite(cost), cost, np.inf)
