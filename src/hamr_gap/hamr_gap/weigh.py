@@ -100,10 +100,13 @@ def least_told(gap: float, count: float) -> float:
 def _special(few: frozenset, names: frozenset) -> bool:
     """Whether a set of names differs from another by one special case, or the same name, at the same joints or some of them."""
     own, others = few - names, names - few
-    if len(own) != 1 or len(others) != 1:
-        return False
-    ((simple, joints),), ((wide, all_joints),) = own, others
-    return (simple == wide or simple in library()[wide].contains) and set(joints) <= set(all_joints)
+    return len(own) == len(others) == 1 and within(*own, *others)
+
+
+def within(simple: tuple, wide: tuple) -> bool:
+    """Whether a name (effect, joints) is a special case of another, or the same, at the same joints or some of them."""
+    (effect, joints), (its, all_joints) = simple, wide
+    return effect in (its, *library()[its].contains) and set(joints) <= set(all_joints)
 
 
 def credible(weights: Sequence[Weight], coverage: float = COVERAGE) -> list[Weight]:

@@ -6,9 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from hamr_dynamics.effects.library import library
-
-from ..weigh import DECIDES
+from ..weigh import DECIDES, within
 from .other import WAYS
 from .rates import rate
 from .score import Scored, kept_in, names, scored, share
@@ -64,12 +62,7 @@ def right_set(truth: frozenset, rivals: Sequence) -> set[frozenset]:
 
 def _wider(some: frozenset, other: frozenset) -> bool:
     """Whether names have others as a special case: they are more, or at more joints, or their laws contain the others'."""
-    return some != other and len(other) <= len(some) and all(any(_within(effect, wide) for wide in some) for effect in other)
-
-
-def _within(effect: tuple, wide: tuple) -> bool:
-    (family, joints), (its, all_joints) = effect, wide
-    return family in (its, *library()[its].contains) and set(joints) <= set(all_joints)
+    return some != other and len(other) <= len(some) and all(any(within(effect, wide) for wide in some) for effect in other)
 
 
 def held(case: Scored, forms: dict) -> Iterator[bool]:
