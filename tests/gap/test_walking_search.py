@@ -118,7 +118,7 @@ def test_what_would_be_no_gap_alone_leaves_nothing_unknown(monkeypatch, best, wo
 
 @pytest.mark.parametrize(("share", "kept"), [(1.4, {"added_mass", "gravity_tilt"}), (2.9, {"gravity_tilt"}), (3.1, set())])
 def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeypatch, share, kept):
-    """All briefly, on every second segment; for good the best two, where they leave less than half again of what the re-tune leaves."""
+    """All briefly, on every second segment; for good the best two of those that leave less than half again of what the re-tune leaves."""
     state, brief, good = searched(9.0), {}, {}
     state.base.fit.free, state.base.fit.residual = (None, None), np.tile([[2.0, 1.0], [50.0, 50.0]], (4, 1))
     state.prepared.parts["fit"] = Segments(8)
@@ -135,7 +135,7 @@ def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeyp
         done = good if rounds == search.ROUNDS else brief
         done[own.effect, own.place] = x[:2], [f.low < value < f.high for f, value in zip(free[2:], x[2:], strict=True)]
         shares = {"gravity_tilt": 0.5 * share, "added_mass": share}
-        return SimpleNamespace(cost=shares.get(own.effect, share + 0.1) * of_the_re_tune)
+        return SimpleNamespace(cost=shares.get(own.effect, share + 0.05) * of_the_re_tune)
 
     monkeypatch.setattr(search, "start", start)
     monkeypatch.setattr(search, "fit", fit)
