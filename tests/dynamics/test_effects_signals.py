@@ -88,6 +88,21 @@ def test_a_gain_comes_and_goes_with_its_periods():
         assert u == pytest.approx(2.0 * (1.0 + 0.1 * np.sin(2 * np.pi * t / 40.0) + 0.2 * np.cos(5 * np.pi * t / 40.0)), abs=1e-9)
 
 
+def test_a_drive_is_warmed_by_its_own_work():
+    """Under a sine the gain nears 1 + change amplitude^2 / 2 with exp(-t / time), and comes back at rest."""
+    law, z, time = find("drive_drift", "heating"), (0.0,), 50.0
+    given, gains, step = {"change": -0.1, "time": time}, [], 0.05
+    for k in range(int(8.0 * time / step)):
+        t = k * step
+        u = 2.0 * np.sin(5.0 * t) if t < 4.0 * time else 1e-6
+        out, z = law.law(Input(u, (u,), 0, t, step), given, z)
+        gains.append(out / u if u else 1.0)
+    warm = 1.0 - 0.1 * 2.0 * (1.0 - np.exp(-np.array([1.0, 3.9])))
+    assert [gains[int(x * time / step)] for x in (1.0, 3.9)] == pytest.approx(warm, abs=2e-3)
+    left = 1.0 - 0.1 * 2.0 * (1.0 - np.exp(-4.0)) * np.exp(-3.9)
+    assert gains[int(7.9 * time / step)] == pytest.approx(left, abs=2e-3)
+
+
 def test_a_coarse_sensor_knows_multiples_only():
     law = find("sensor_quantisation")
     found = [float(law.law(Signal(y, H), {"step": 0.1, "offset": 0.0}, ())[0]) for y in (0.04, 0.06, -0.26)]

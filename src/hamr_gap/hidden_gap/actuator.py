@@ -101,3 +101,10 @@ def wander(i, t, dt, w, p, s):
     """The gain wanders: two slow waves."""
     turn = 6.283185307179586 * t / p[1]
     w[U + i] *= 1.0 + p[0] * (math.sin(turn + p[2]) + 0.5 * math.sin(p[3] * turn))
+
+
+@law("drive_drift", size="loss", places=ANY, states=1, loss=(0.01, 1.5), tau=(300.0, 1500.0))
+def self_heating(i, t, dt, w, p, s):
+    """The gain falls with the heat that the voltage squared leaves, in units of (50 V)^2."""
+    s[0] += dt / p[1] * ((w[U + i] / 50.0) ** 2 - s[0])
+    w[U + i] /= 1.0 + p[0] * s[0]

@@ -34,6 +34,12 @@ def cam(i, t, dt, w, p, s):
     w[TIP + i] = p[3 + i] * travel
 
 
+@law("configuration_dependent_transmission", size="softening", softening=(2e-5, 5e-3))
+def voltage_spring(i, t, dt, w, p, s):
+    """A spring that the voltage tunes: torque by voltage times angle."""
+    w[TAU + i] -= p[0] * w[U + i] * w[Q + i]
+
+
 @law("configuration_dependent_inertia", size="mass", places=EACH, mass=(0.01, 2.5), throw=(0.4, 1.5), phase=(-0.8, 0.8))
 def sliding_mass(i, t, dt, w, p, s):
     """A mass whose radius follows the joint's own angle: J = mass (1 + throw sin(q + phase))^2, with its centrifugal torque."""
@@ -88,6 +94,20 @@ def slanted_valley(i, t, dt, w, p, s):
     x = along * w[Q] + across * w[Q + 1]
     force = p[0] * (math.tanh((x - p[2]) / p[3]) + math.tanh(p[2] / p[3]))
     w[TAU + i] -= force * (along if i == 0 else across)
+
+
+@law("configuration_dependent_stiffness", size="depth", depth=(2e-4, 0.2), centre=(0.03, 0.2), width=(0.012, 0.04), side=(-1.0, 1.0))
+def snap(i, t, dt, w, p, s):
+    """A narrow hump in the potential: stiffness turns negative on its top."""
+    x = (w[Q + i] - math.copysign(p[1], p[3])) / p[2]
+    w[TAU + i] += p[0] * x * math.exp(-0.5 * x * x)
+
+
+@law("configuration_dependent_stiffness", size="pull", places=(BOTH,), pull=(2e-3, 6.0))
+def three_waves(i, t, dt, w, p, s):
+    """Energy passed between the joints at third order: potential pull swing lift (swing - lift)."""
+    a, b = w[Q], w[Q + 1]
+    w[TAU + i] -= p[0] * (2.0 * a * b - b * b if i == 0 else a * a - 2.0 * a * b)
 
 
 @law("lift_swing_coupling", size="stiffness", places=(BOTH,), stiffness=(5e-4, 0.3), sense=(-1.0, 1.0))

@@ -51,19 +51,6 @@ def voltage_brake(i, t, dt, w, p, s):
     w[TAU + i] -= p[0] * max(abs(w[U + i]) - 25.0, 0.0) * w[V + i]
 
 
-@law(OUTSIDE, size="softening", softening=(2e-5, 5e-3))
-def voltage_spring(i, t, dt, w, p, s):
-    """A spring that the voltage tunes: torque by voltage times angle."""
-    w[TAU + i] -= p[0] * w[U + i] * w[Q + i]
-
-
-@law(OUTSIDE, size="depth", depth=(2e-4, 0.2), centre=(0.03, 0.2), width=(0.012, 0.04), side=(-1.0, 1.0))
-def snap(i, t, dt, w, p, s):
-    """A narrow hump in the potential: stiffness turns negative on its top."""
-    x = (w[Q + i] - math.copysign(p[1], p[3])) / p[2]
-    w[TAU + i] += p[0] * x * math.exp(-0.5 * x * x)
-
-
 @law(OUTSIDE, size="stiffness", stiffness=(2e-3, 0.3))
 def one_way_spring(i, t, dt, w, p, s):
     """A spring that holds while the leg moves forward and lets go on the way back."""
@@ -75,13 +62,6 @@ def sticky_patches(i, t, dt, w, p, s):
     """Friction in patches of the way, none between."""
     if math.sin(p[1] * w[Q + i] + p[2]) > 0.3:
         w[TAU + i] -= p[0] * (math.sin(p[1] * w[Q + i] + p[2]) - 0.3) * math.tanh(w[V + i] / 1e-3)
-
-
-@law(OUTSIDE, size="pull", places=(BOTH,), pull=(2e-3, 6.0))
-def three_waves(i, t, dt, w, p, s):
-    """Energy passed between the joints at third order: potential pull swing lift (swing - lift)."""
-    a, b = w[Q], w[Q + 1]
-    w[TAU + i] -= p[0] * (2.0 * a * b - b * b if i == 0 else a * a - 2.0 * a * b)
 
 
 @law(OUTSIDE, size="pump", places=(BOTH,), pump=(2e-3, 8.0))

@@ -8,13 +8,6 @@ from .laws import ANY, TAU, Q, U, V, law
 from .outside import OUTSIDE, TURN
 
 
-@law(OUTSIDE, size="loss", places=ANY, states=1, loss=(0.01, 1.5), tau=(300.0, 1500.0))
-def self_heating(i, t, dt, w, p, s):
-    """The gain falls with the heat that the voltage squared leaves, in units of (50 V)^2."""
-    s[0] += dt / p[1] * ((w[U + i] / 50.0) ** 2 - s[0])
-    w[U + i] /= 1.0 + p[0] * s[0]
-
-
 @law(OUTSIDE, size="mass", states=2, mass=(2e-3, 0.8), hertz=(12.0, 40.0), damping=(0.01, 0.06))
 def absorber(i, t, dt, w, p, s):
     """A small resonator rides on the leg; s holds its angle and rate."""

@@ -1,4 +1,4 @@
-"""A lever that varies: the actuator's travel is a curved function of the angles, and force and spring act through its slope."""
+"""What a drive gives varies with the angles: through a lever, that the spring acts through too, or by the actuator's own force."""
 
 from __future__ import annotations
 
@@ -18,6 +18,11 @@ def lever(x: Joint, p, z):
     spring = p["share"] * x.stiffness
     force = slope * (x.drive - spring * (x.q + bend)) - spring * bend
     return Push(force, stiffness=spring * (2.0 + slope) * slope, slip=bend), z
+
+
+def force_factor(x: Joint, p, z):
+    """Force drive (1 + b1 q + b2 q^2): the actuator gives more or less per volt where it is bent; travels are as they were."""
+    return Push(x.drive * (x.q * (p["first"] + p["second"] * x.q))), z
 
 
 def map_of_both(x: Pair, p, z):
@@ -68,12 +73,16 @@ def _coefficient(i: int, a: int, b: int) -> Parameter:
 EFFECT = Effect(
     name="configuration_dependent_transmission",
     part="transmission",
-    summary="A lever between actuator and joint that varies with the angles; the actuator's force and spring both act through it.",
+    summary="A lever between actuator and joint, or the actuator's force itself, that varies with the angles.",
     forms=(
         Form("lever", "force", lever, (
             Parameter("second", "1/Q", 0.03, -3.0, 3.0, "travel per squared angle"),
             Parameter("third", "1/Q^2", 0.03, -3.0, 3.0, "travel per cubed angle"),
             SHARE,
+        )),
+        Form("force_factor", "force", force_factor, (
+            Parameter("first", "1/Q", 0.03, -3.0, 3.0, "relative force per angle"),
+            Parameter("second", "1/Q^2", 0.03, -3.0, 3.0, "relative force per squared angle"),
         )),
         Form("map", "pair", map_of_both, (
             *(_coefficient(i, a, b) for i in (1, 2) for a, b in POWERS), *SHARES,
@@ -83,5 +92,5 @@ EFFECT = Effect(
         )),
     ),
     experiment="large motions of both joints; actuator deflection and joint angle side by side",
-    source="hamr_facts 7, effect 8 (ratio +40..49 % over the stroke)",
+    source="hamr_facts 7, effects 8 (ratio +40..49 % over the stroke) and 10 (deflection-dependent actuator force)",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The drive weakens or strengthens over the run."""
+"""The drive weakens or strengthens over the run, by itself or as its own work warms it."""
 
 from __future__ import annotations
 
@@ -23,6 +23,13 @@ def settling(x: Input, p, z):
     return x.u + (p["change"] * done) * x.u, (done,)
 
 
+def heating(x: Input, p, z):
+    """u (1 + change h), h the mean of u^2 over the time before: what the piezo loses warms it."""
+    share = x.step / (p["time"] + 0.5 * x.step)
+    heat = z[0] + share * (x.u * x.u - z[0])
+    return x.u + (p["change"] * heat) * x.u, (heat,)
+
+
 def waves(x: Input, p, z):
     """u (1 + two waves, each with a period of its own): a gain that comes and goes."""
     gain = 1.0
@@ -36,6 +43,10 @@ RATE = Parameter("rate", "1/S", 0.05, -5.0, 5.0, "relative change per time")
 SETTLING = (
     Parameter("change", "1", 0.05, -0.95, 3.0, "relative change in the end"),
     Parameter("time", "S", 0.1, 0.005, 100.0, "in which most of it happens", shape=True, screen=(0.02, 0.1, 0.5)),
+)
+HEATING = (
+    Parameter("change", "1/U^2", 0.05, -0.6, 3.0, "relative change per mean squared drive"),
+    Parameter("time", "S", 0.05, 0.005, 10.0, "over which the mean is taken", shape=True, screen=(0.02, 0.05, 0.12)),
 )
 WAVES = (
     *(Parameter(f"{name}_{part}", "1", 0.03, -0.9, 0.9, f"of the {name} wave", by=(f"{name}_period",))
@@ -51,6 +62,7 @@ EFFECT = Effect(
     forms=(
         Form("linear", "drive", linear, (RATE,), order=8),
         Form("settling", "drive", settling, SETTLING, states=1, order=8),
+        Form("heating", "drive", heating, HEATING, states=1, order=8),
         Form("waves", "drive", waves, WAVES, order=8),
     ),
     experiment="the same signal at the beginning and the end of a run",
