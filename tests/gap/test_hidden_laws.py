@@ -193,6 +193,63 @@ def test_moving_masses_have_the_torques_of_their_kinetic_energy(name):
     assert torque == pytest.approx(expected, rel=1e-6, abs=1e-12)
 
 
+def test_felt_rubs_in_its_corner_only_and_against_the_whole_way():
+    q, v = np.array([[0.2, -0.3], [0.2, 0.3], [-0.2, -0.3]]), np.tile([0.3, 0.4], (3, 1))
+    torque = drive("felt_corner", {"force": 0.1, "swing": 1.0, "lift": -1.0}, q=q, v=v, joints=(0, 1))[:, TAU : TAU + 2]
+    assert torque == pytest.approx(np.array([[-0.06, -0.08], [0.0, 0.0], [0.0, 0.0]]), rel=1e-4)
+
+
+def test_the_gain_lost_in_a_reverse_field_stays_until_a_forward_one():
+    n, p = 4000, {"loss": 0.4, "coercive": 20.0, "tau": 5.0}
+    u = np.repeat([10.0, -60.0, -10.0, 10.0, 60.0, 10.0], n)
+    assert drive("depoling", p, u=u)[n - 1 :: n, U] / u[n - 1 :: n] == pytest.approx([1.0, 0.6, 0.6, 0.6, 1.0, 1.0], abs=1e-6)
+
+
+def test_the_charge_sparks_once_per_way_however_slowly_it_goes():
+    for rate in (0.02, -0.05):
+        torque = drive("static_charge", {"torque": 0.1, "way": 0.5}, v=np.full(40_000, rate))[:, TAU]
+        assert np.sum(np.diff(torque) < -0.09) == pytest.approx(abs(rate) * 40_000 * DT / 0.5, abs=1.0)
+        assert torque.min() >= 0.0 and torque.max() <= 0.1
+
+
+@pytest.mark.parametrize("tau", [0.5, 1.0])
+def test_a_shorted_coil_takes_the_work_of_its_current(tau):
+    turn = np.linspace(0, 20 * np.pi, 40_001)  # ten turns of 100 ms: flux = sin(2 x) 0.3^2 / 2
+    path = 0.3 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    torque, x = drive("shorted_coil", {"flux": 10.0, "tau": tau}, q=path, joints=(0, 1))[:, TAU : TAU + 2], 2 * 2 * np.pi / 100.0 * tau
+    work = np.sum(np.trapezoid(torque[4000:].T, path[4000:].T))
+    assert work / 9 == pytest.approx(-2 * np.pi * 10.0 * 0.045**2 * x / (1 + x * x), rel=0.01)
+
+
+def test_sand_that_was_pushed_away_is_not_met_again_at_once():
+    out, p = np.linspace(0.0, 0.3, 1000), {"stiffness": 1.0, "home": 0.1, "push": 1.0, "back": 5000.0, "side": 1.0}
+    torque = drive("sand_heap", p, q=np.r_[out, out[::-1], out])[:, TAU]
+    first, back, again = np.split(torque, 3)
+    assert first[:333].max() == 0.0 and first.min() < -0.01
+    assert not back[100:].any() and not again[out < 0.29].any() and again[-1] < 0.0
+
+
+def test_the_other_joint_pumps_up_what_leaks_away():
+    v = np.repeat([[0.0, 0.0], [0.3, 0.02], [0.3, -0.02]], 20_000, axis=0)
+    torque = drive("foot_pump", {"torque": 0.1, "leak": 30.0, "side": 1.0}, v=v)[19_999::20_000, TAU]
+    assert torque == pytest.approx([0.0, 0.1 * 0.02 * 30.0, 0.0], abs=1e-6)
+
+
+def test_the_kicker_hits_for_its_time_and_is_deaf_for_a_while():
+    q = 0.1 * np.sin(2 * np.pi * np.arange(8000) * DT / 20.0 - 0.5)  # touched every 20 ms
+    hit = drive("kicker", {"torque": 0.1, "place": 0.0, "blow": 5.0, "rest": 20.0}, q=q)[:, TAU] == -0.1
+    starts = np.flatnonzero(np.diff(hit.astype(int)) > 0) * DT
+    assert np.diff(starts) == pytest.approx([40.0] * (len(starts) - 1), abs=2 * DT)
+    assert hit.sum() * DT == pytest.approx(5.0 * len(starts), abs=len(starts) * 2 * DT)
+
+
+def test_the_clamp_holds_where_the_other_voltage_found_the_leg():
+    q, other = np.array([0.1, 0.2, 0.3, -0.1, 0.0, 0.1]), np.array([0.0, -50.0, 50.0, 50.0, 5.0, 50.0])
+    paths = {"q": np.stack([q, q], axis=1), "u": np.stack([0.0 * other, other], axis=1)}
+    torque = drive("electric_clamp", {"stiffness": 2.0, "level": 20.0}, **paths)[:, TAU]
+    assert torque == pytest.approx([0.0, 0.0, -0.2, 0.6, 0.0, 0.0])
+
+
 def _sine(hertz: float, *, at: float = 0.0) -> np.ndarray:
     return 0.3 * np.sin(2e-3 * np.pi * hertz * (np.arange(20_000) * 0.05 - at))
 

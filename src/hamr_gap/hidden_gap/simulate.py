@@ -14,7 +14,7 @@ from hamr_description.numbers import value
 from hamr_description.rates import SERVO_HZ, SERVO_MS
 from hamr_description.units import length_to_si, time_to_si
 
-from . import actuator, body, friction, outside, outside_memory, piezo, springs  # noqa: F401 - they register their laws
+from . import actuator, body, friction, outside, outside_devices, outside_memory, piezo, springs  # noqa: F401 - they register their laws
 from .case import JOINTS, Case, Effect, Truth
 from .laws import LAWS, SIZE, address
 from .loop import run, step_address
