@@ -1,12 +1,14 @@
 """Whether what a model leaves of the readings is noise, whatever the law behind it may be.
 
 Sensors on the two sides of a transmission have noise of their own, white or not: what both of them show is motion that the model lacks.
+Noise that is slow beside a block seems to be shared in one block and to be opposed in the next.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from .blocks import THROUGHOUT
 from .fit import Fit
 from .hypothesis import blocks_of, left_of, residual
 from .weighed import Weighed
@@ -22,7 +24,8 @@ def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
     both = shared(weighed, judged, found)
     if not len(both):
         return float(np.median(left_of(weighed, judged, found.reading)[1])) > ALONE**2
-    return float(np.quantile(both, 1.0 - OFTEN)) > weighed.model.mean * SHARED**2
+    surely = both.mean() > THROUGHOUT * both.std(ddof=1) / np.sqrt(len(both))
+    return bool(surely and np.quantile(both, 1.0 - OFTEN) > weighed.model.mean * SHARED**2)
 
 
 def shared(weighed: Weighed, judged: np.ndarray, found: Fit) -> np.ndarray:

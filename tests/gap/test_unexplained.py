@@ -1,0 +1,38 @@
+"""What two sensors of a joint must both show, that it be motion: against noise of their own that is slow and large."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import butter, cont2discrete, lfilter, sosfilt
+
+from hamr_dynamics.machine import linear_machine
+from hamr_gap.prepare import prepare
+from hamr_gap.record import Record
+from hamr_gap.unexplained import shared, structural
+
+LINE = linear_machine("mass", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass")
+MASS = replace(LINE, name="both_sides", channels=("mass", "motor"), outputs=lambda q, slip: (q[0], q[0] + slip[0]))
+STEP, N, KEEP = 2e-3, 12_000, np.exp(-1.0 / 30.0)
+
+
+def seen(random: np.random.Generator, shaken: float) -> Record:
+    """24 s of a spring by its exact motion, read on both sides, each with correlated noise; a shaker moves it besides (N rms)."""
+    drive = sosfilt(butter(3, 10.0, fs=1.0 / STEP, output="sos"), random.standard_normal(N))
+    drive *= 40.0 / drive.std()
+    b, a, *_ = cont2discrete(([1.0], [1.0, 6.0, 900.0]), STEP)
+    moved = lfilter(b[0], a, drive + shaken * np.sqrt(2.0) * np.sin(2.0 * np.pi * 3.3 * STEP * np.arange(N)))
+    noise = lfilter([np.sqrt(1.0 - KEEP**2)], [1.0, -KEEP], random.standard_normal((N, 2)), axis=0)
+    return Record(drive[:, None], moved[:, None] + 5e-3 * moved.std() * noise, STEP, MASS.channels[:2], held=True)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("shaken", "motion"), [(0.0, False), (0.5, True)])
+def test_slow_noise_of_two_sensors_is_no_motion(seed, shaken, motion):
+    prepared = prepare(MASS, seen(np.random.default_rng(seed), shaken))
+    judged, found = prepared.judged, prepared.base.fit
+    assert prepared.base.left > 2.0  # either way far more than what differs from sample to sample
+    assert len(shared(prepared.weighed, judged, found)) > 5
+    assert structural(prepared.weighed, judged, found) == motion
