@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from hamr_description.names import LEGS, joint_signs
-from hamr_dynamics import stages
 from hamr_dynamics.batch import DRIVE_SIGN, SIGN
-from hamr_dynamics.step import ROW6, LegState, chassis_terms, leg_increment, reach_leg, solve6
+from hamr_dynamics.chassis_stages import mirror, mirror_spin
+from hamr_dynamics.step import ROW6, LegState, chassis_terms, leg_increment, reach_leg, solve6, step_suspended
 
 INSTANT = 1e-12  # ms
 NO_GROUND = {"friction": 0.0, "stiffness": 0.0, "damping": 0.0, "slip_speed": 1.0}
@@ -19,7 +19,7 @@ def hip_acceleration(plant, q, v, drive, gravity=0.0):
     for i, leg in enumerate(LEGS):
         at = slice(2 * i, 2 * i + 2)
         state = LegState(tuple(q[at] * SIGN[at]), tuple(v[at] * SIGN[at]), (0.0, 0.0))
-        new, _ = stages.step_suspended(plant.leg, state, tuple(drive[at] * DRIVE_SIGN[at]), plant.parameters(leg), gravity, INSTANT)
+        new, _ = step_suspended(plant.leg, state, tuple(drive[at] * DRIVE_SIGN[at]), plant.parameters(leg), gravity, INSTANT)
         out[at] = np.array(new.a, float) * SIGN[at]
     return out
 
@@ -35,10 +35,10 @@ def free_acceleration(plant, q, v, drive, rotation, velocity, omega, gravity):
     for i, leg in enumerate(LEGS):
         at = slice(2 * i, 2 * i + 2)
         state = LegState(tuple(q[at] * SIGN[at]), tuple(v[at] * SIGN[at]), (0.0, 0.0))
-        base = {name: stages.mirror_spin(leg, omega) for name in ("omega", "omega_mid")}
-        base |= {"velocity": stages.mirror(leg, body_velocity), "normal": stages.mirror(leg, up), "height": 1e3, "gravity": gravity}
+        base = {name: mirror_spin(leg, omega) for name in ("omega", "omega_mid")}
+        base |= {"velocity": mirror(leg, body_velocity), "normal": mirror(leg, up), "height": 1e3, "gravity": gravity}
         r = reach_leg(plant.leg, state, tuple(drive[at] * DRIVE_SIGN[at]), plant.parameters(leg), base, NO_GROUND, INSTANT)
-        signs = np.array([*stages.mirror_spin(leg, (1.0,) * 3), *stages.mirror(leg, (1.0,) * 3)])
+        signs = np.array([*mirror_spin(leg, (1.0,) * 3), *mirror(leg, (1.0,) * 3)])
         matrix = matrix + np.array([signs[a] * signs[b] for a, b in ROW6]) * np.array(r.free_matrix, float)
         rhs = rhs + signs * np.array(r.free_rhs, float)
         reaches.append((r, signs))

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from hamr_description.rates import SERVO_MS
-from hamr_dynamics import stages
+from hamr_dynamics import layout, leg_stages
 from hamr_dynamics.batch import DRIVE_SIGN, SIGN, BatchSim
+from hamr_dynamics.chassis_stages import balance_free, balance_soft, predict
 from hamr_dynamics.emit import Stage
 from hamr_dynamics.trace import Var
+from hamr_dynamics.walking_leg_stages import finish_legs, grounded, reach
 
 OPERATIONS = {
     "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "sqrt": np.sqrt,
@@ -48,11 +50,10 @@ class Interpreter:
         plant = sim.plant
         if self.ground:
             self.chain: Sequence[Stage] = (
-                stages.predict(h), stages.reach(plant, h), stages.balance_soft(h), stages.grounded(plant, h), stages.balance_free(h),
-                stages.finish_legs(h),
+                predict(h), reach(plant, h), balance_soft(h), grounded(plant, h), balance_free(h), finish_legs(h),
             )  # fmt: skip
         else:
-            self.chain = (stages.suspended(plant, h),)
+            self.chain = (leg_stages.suspended(plant, h),)
 
     def step(self, volts) -> None:
         """One step under (n, 8) V."""
@@ -74,7 +75,7 @@ class Interpreter:
 
     def base_rows(self, name: str, size: int) -> np.ndarray:
         """(n, size) of the chassis state."""
-        i = stages.BASE.index(f"{name}.0")
+        i = layout.BASE.index(f"{name}.0")
         return self.arrays["base"][i : i + size].T
 
 
@@ -87,7 +88,7 @@ class Seen:
     def __getattr__(self, name: str):
         legs, bases = {"q": "q", "qd": "v"}, {"position": 3, "quaternion": 4, "velocity": 3, "angular_velocity": 3}
         if name in legs:
-            return self._robot.leg_rows("state", stages.STATE, legs[name], 2).reshape(-1, 8) * SIGN
+            return self._robot.leg_rows("state", layout.STATE, legs[name], 2).reshape(-1, 8) * SIGN
         if name in bases:
             return self._robot.base_rows("omega" if name == "angular_velocity" else name, bases[name])
         return getattr(self._sim, name)

@@ -10,7 +10,7 @@ from interpreter import Interpreter
 
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
-from hamr_dynamics import stages
+from hamr_dynamics import layout
 from hamr_dynamics.batch import BatchSim
 from hamr_dynamics.contact import approach, clamp
 
@@ -65,8 +65,8 @@ def test_a_sliding_foot_feels_coulomb_friction(depth, mu, heading, slip):
 
 def ground_forces(robot: Interpreter) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(n, 4) load and friction of each foot over the last step, N, and (n, 4) heights of the feet half way through it, mm."""
-    force, normal = robot.leg_rows("grounded", stages.GROUNDED, "force", 3), robot.leg_rows("near", stages.NEAR, "normal", 3)
-    point, height = robot.leg_rows("reach", stages.REACH, "point", 3), robot.leg_rows("near", stages.NEAR, "height", 1)[..., 0]
+    force, normal = robot.leg_rows("grounded", layout.GROUNDED, "force", 3), robot.leg_rows("near", layout.NEAR, "normal", 3)
+    point, height = robot.leg_rows("reach", layout.REACH, "point", 3), robot.leg_rows("near", layout.NEAR, "height", 1)[..., 0]
     load = (force * normal).sum(axis=-1)
     return load, np.linalg.norm(force - load[..., None] * normal, axis=-1), height + (point * normal).sum(axis=-1)
 

@@ -7,7 +7,7 @@ import pytest
 from interpreter import Interpreter, Seen
 from mechanics import motion, undamped
 
-from hamr_dynamics import stages
+from hamr_dynamics import layout
 from hamr_dynamics.batch import BatchSim
 
 SPAN = 4.0  # ms
@@ -28,7 +28,7 @@ def final(backend: str, environment: str, h: float) -> np.ndarray:
     robot = Interpreter(sim, h)
     for k in range(round(SPAN / h)):
         robot.step(NEUTRAL + SWING * np.sin(2 * np.pi * PER_MS * (k + 0.5) * h + np.arange(8.0))[None])
-    hips = [robot.leg_rows("state", stages.STATE, name, 2).ravel() for name in "qv"]
+    hips = [robot.leg_rows("state", layout.STATE, name, 2).ravel() for name in "qv"]
     base = [robot.base_rows(name, n)[0] for name, n in (("position", 3), ("quaternion", 4), ("velocity", 3), ("omega", 3))]
     return np.concatenate(hips + (base if environment == "ground" else []))
 

@@ -9,7 +9,7 @@ from interpreter import evaluate
 from hamr_description.names import LEGS
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
-from hamr_dynamics import driver, machine_kernel, stages
+from hamr_dynamics import driver, layout, leg_stages, machine_kernel
 from hamr_dynamics.bank_stages import LEG_BANK, USUAL
 from hamr_dynamics.batch import DRIVE_SIGN, SIGN, BatchSim
 from hamr_dynamics.effects.bank import Bank
@@ -17,6 +17,7 @@ from hamr_dynamics.effects.effects_file import Change, EffectsFile, PlacedEffect
 from hamr_dynamics.engine import KernelEngine
 from hamr_dynamics.machine import leg_machine
 from hamr_dynamics.plant import plant, with_effects
+from hamr_dynamics.step_parts import step_parts
 
 NEUTRAL = value("actuator.neutral_voltage")
 STEPS = 2000  # 100 ms
@@ -93,15 +94,15 @@ def trace(model, environment: str, n: int, steps: int) -> np.ndarray:
     h, legs, rng = SERVO_MS, 4 * n, np.random.default_rng(3)
     sim = BatchSim.__new__(BatchSim)  # its parameters alone: no kernel is compiled
     sim.plant, sim.n, sim.block, sim._blocks, sim.environment, sim.dtype = model, n, n, 1, environment, np.dtype(float)
-    sim.parameter_names, sim.body_names = stages.parameter_rows(model), stages.body_rows(model)
+    sim.parameter_names, sim.body_names = layout.parameter_rows(model), layout.body_rows(model)
     sim._param, sim._body = sim._zeros(sim.parameter_names, 4), sim._zeros(sim.body_names, 1)
     sim._fill_parameters(None, value("robot.gravity"))
-    state = np.zeros((len(stages.state_rows(model)), legs))
+    state = np.zeros((len(layout.state_rows(model)), legs))
     state[:4] = rng.normal(0, 0.05, (4, legs))
-    base = np.zeros((len(stages.BASE), n))
+    base = np.zeros((len(layout.BASE), n))
     base[2], base[3], base[7:13] = 6.0 + rng.normal(0, 3, n), 1.0, rng.normal(0, 0.02, (6, n))
     arrays = {"state": state, "base": base, "param": sim._param.reshape(-1, legs), "body": sim._body.reshape(-1, n)}
-    chain = [(part, 4) for part in (*stages.sense(model, h), *stages.command(model, h))] + stages.chain(model, environment, h)
+    chain = [(part, 4) for part in (*leg_stages.sense(model, h), *leg_stages.command(model, h))] + step_parts(model, environment, h)
     for _ in range(steps):
         arrays["drive"] = rng.normal(0, 40, (2, legs))
         for part, lanes in chain:
@@ -112,16 +113,16 @@ def trace(model, environment: str, n: int, steps: int) -> np.ndarray:
             for name, values in found.items():
                 if not len(stage.outputs[name]):
                     continue
-                old, first = ("state", part.memory) if name == "memory" else stages.renewed(model).get(name, (name, 0))
+                old, first = ("state", part.memory) if name == "memory" else layout.renewed(model).get(name, (name, 0))
                 if old == name:
                     arrays[name] = values.reshape(-1, n if name in ("pose", "base") else legs)
                 else:
                     arrays[old][first : first + len(values)] = values
             if stage.name == "command":
-                arrays["drive"] = arrays["state"][len(stages.STATE) : len(stages.STATE) + 2]
+                arrays["drive"] = arrays["state"][len(layout.STATE) : len(layout.STATE) + 2]
             if stage.name == "sensed":
                 assert np.array_equal(arrays["measured"], arrays["state"][:4])
-    return np.concatenate([arrays["state"][: len(stages.STATE)].ravel(), arrays["base"].ravel()])
+    return np.concatenate([arrays["state"][: len(layout.STATE)].ravel(), arrays["base"].ravel()])
 
 
 @pytest.mark.parametrize("environment", ["suspended", "ground"])
@@ -153,7 +154,7 @@ def test_no_effects_no_bank():
     assert BatchSim(SIMPLE, 1, environment="suspended", effects=EffectsFile()).plant is SIMPLE
     source = driver.source(SIMPLE, "ground", 1, "float64", SERVO_MS, NEUTRAL)
     assert "coulomb" not in source
-    assert stages.state_rows(SIMPLE) == stages.STATE
+    assert layout.state_rows(SIMPLE) == layout.STATE
 
 
 def test_equal_numbers_are_a_symmetric_robot(rng):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from interpreter import Interpreter
 
-from hamr_dynamics import stages
+from hamr_dynamics import layout
 from hamr_dynamics.batch import BLOCK, SIGN, BatchSim
 from hamr_dynamics.engine import KernelEngine
 
@@ -37,8 +37,8 @@ def test_kernel_computes_the_trace(backend, environment, rng):
     for k in range(3):
         truth.step(volts[:, k])
     sim.step_voltages(volts)
-    assert truth.leg_rows("state", stages.STATE, "q", 2).reshape(-1, 8) * SIGN == pytest.approx(sim.q, abs=1e-13)
-    assert truth.leg_rows("state", stages.STATE, "v", 2).reshape(-1, 8) * SIGN == pytest.approx(sim.qd, abs=1e-12)
+    assert truth.leg_rows("state", layout.STATE, "q", 2).reshape(-1, 8) * SIGN == pytest.approx(sim.q, abs=1e-13)
+    assert truth.leg_rows("state", layout.STATE, "v", 2).reshape(-1, 8) * SIGN == pytest.approx(sim.qd, abs=1e-12)
     if environment == "ground":
         assert truth.base_rows("position", 3) == pytest.approx(sim.position, abs=1e-12)
         assert truth.base_rows("velocity", 3) == pytest.approx(sim.velocity, abs=1e-12)

@@ -10,12 +10,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from interpreter import evaluate
 
-from hamr_dynamics import scalar, stages
+from hamr_dynamics import layout, scalar
 from hamr_dynamics.batch import BatchSim
+from hamr_dynamics.chassis_stages import balance_free, balance_soft, predict
 from hamr_dynamics.emit import Stage, loop_body, loop_source
+from hamr_dynamics.leg_stages import observe, servo, suspended
 from hamr_dynamics.plant import flatten, plant
 from hamr_dynamics.step import LegState, reach_leg, step_suspended
 from hamr_dynamics.trace import Graph, Var
+from hamr_dynamics.walking_leg_stages import finish_legs, grounded, reach
 
 STEP = 0.05
 WHOLE = 2**50  # up to here floats hold whole numbers exactly
@@ -107,7 +110,7 @@ def stage_inputs(stage: Stage, rng, lanes: int) -> dict[str, np.ndarray]:
 def real_parameters(backend: str, leg: str, **ground: float) -> np.ndarray:
     robot = plant(backend)
     flat = {**flatten(robot.parameters(leg)), **ground}
-    return np.array([flat[name] for name in stages.parameter_rows(robot)])
+    return np.array([flat[name] for name in layout.parameter_rows(robot)])
 
 
 GROUND = {"friction": 0.51, "contact_stiffness": 2.0, "contact_damping": 0.5, "slip_speed": 1e-3, "gravity": 9.81e-3}
@@ -117,7 +120,7 @@ GROUND = {"friction": 0.51, "contact_stiffness": 2.0, "contact_damping": 0.5, "s
 @pytest.mark.parametrize("leg", ["fl", "rl"])
 def test_traced_leg_step_is_the_function_on_plain_numbers(backend, leg):
     robot, rng = plant(backend), np.random.default_rng(1)
-    stage = stages.suspended(robot, STEP)
+    stage = suspended(robot, STEP)
     for _ in range(5):
         q, v, a, drive = rng.uniform(-0.4, 0.4, 2), rng.normal(0, 0.1, 2), rng.normal(0, 0.1, 2), rng.uniform(-112, 112, 2)
         state = LegState(tuple(q), tuple(v), tuple(a))
@@ -131,7 +134,7 @@ def test_traced_leg_step_is_the_function_on_plain_numbers(backend, leg):
 def test_traced_elimination_is_the_function_on_plain_numbers(backend):
     """The largest stage, with the foot in and out of the ground."""
     robot, rng = plant(backend), np.random.default_rng(2)
-    stage = stages.reach(robot, STEP)
+    stage = reach(robot, STEP)
     for height in (12.4, 12.8):
         q, v, drive, near = rng.uniform(-0.2, 0.2, 2), rng.normal(0, 0.1, 2), rng.uniform(-112, 112, 2), rng.normal(0, 0.05, 13)
         near[9:12], near[12] = (0.0, 0.6, 0.8), height
@@ -143,7 +146,7 @@ def test_traced_elimination_is_the_function_on_plain_numbers(backend):
         found = evaluate(stage, {name: x[:, None] for name, x in arrays.items()})["reach"][:, 0]
         for name in ("soft_matrix", "soft_rhs", "free_matrix", "free_rhs", "soft_own", "free_own", "solve", "point"):
             truth = np.array(getattr(r, name), float)
-            rows = [stages.REACH.index(f"{name}.{i}") for i in range(len(truth))]
+            rows = [layout.REACH.index(f"{name}.{i}") for i in range(len(truth))]
             assert found[rows] == pytest.approx(truth, rel=1e-13, abs=1e-13 * np.abs(truth).max()), name
 
 
@@ -151,14 +154,14 @@ def test_traced_elimination_is_the_function_on_plain_numbers(backend):
 def test_emitted_source_is_the_trace(environment):
     """Every stage's source, run as plain Python in one work array with outputs on inputs, gives the trace's values exactly."""
     robot, rng, lanes = plant("simple"), np.random.default_rng(3), 2
-    chain = {"suspended": [stages.suspended(robot, STEP)]}
+    chain = {"suspended": [suspended(robot, STEP)]}
     chain["ground"] = [
-        stages.predict(STEP), stages.reach(robot, STEP), stages.balance_soft(STEP), stages.grounded(robot, STEP),
-        stages.balance_free(STEP), stages.finish_legs(STEP), stages.servo(112.5), stages.observe(robot, STEP),
+        predict(STEP), reach(robot, STEP), balance_soft(STEP), grounded(robot, STEP),
+        balance_free(STEP), finish_legs(STEP), servo(112.5), observe(robot, STEP),
     ]  # fmt: skip
     for stage in chain[environment]:
         arrays, places, end = stage_inputs(stage, rng, lanes), {}, 0
-        renewed = {new: old for new, (old, first) in stages.renewed(robot).items() if first == 0}
+        renewed = {new: old for new, (old, first) in layout.renewed(robot).items() if first == 0}
         for name, rows in (stage.inputs | stage.outputs).items():
             places[name] = places[renewed[name]] if renewed.get(name) in places else end
             end = max(end, places[name] + len(rows) * lanes)

@@ -13,7 +13,7 @@ from hamr_description.numbers import value
 from hamr_description.posture import hang_height, stand_height
 from hamr_description.rates import SUBSTEPS
 
-from . import kernels, stages
+from . import kernels, layout
 from .effects.effects_file import EffectsFile
 from .effects.effects_file import load as load_effects
 from .plant import Plant, flatten, with_effects
@@ -57,15 +57,15 @@ class BatchSim:
         self.block = block or (1 if n == 1 else BLOCK[self.dtype.name])
         self._module = kernels.load(self.plant, environment, self.block, self.dtype.name)
         self._blocks = -(-n // self.block)
-        self.parameter_names, self.body_names = stages.parameter_rows(self.plant), stages.body_rows(self.plant)
-        self._rows, self._seen_rows = stages.state_rows(self.plant), stages.seen_rows(self.plant)
+        self.parameter_names, self.body_names = layout.parameter_rows(self.plant), layout.body_rows(self.plant)
+        self._rows, self._seen_rows = layout.state_rows(self.plant), layout.seen_rows(self.plant)
         self._state = self._zeros(self._rows, 4)
-        self._target = self._zeros(stages.TARGET, 4)
+        self._target = self._zeros(layout.TARGET, 4)
         self._param = self._zeros(self.parameter_names, 4)
-        self._base = self._zeros(stages.BASE, 1)
+        self._base = self._zeros(layout.BASE, 1)
         self._body = self._zeros(self.body_names, 1)
         self._seen = self._zeros(self._seen_rows, 4)
-        self._no_drive = self._zeros(stages.DRIVE, 4)
+        self._no_drive = self._zeros(layout.DRIVE, 4)
         network = self.plant.network
         self._weights = np.zeros(1, self.dtype) if network is None else network.weights(self.dtype)
         self._fill_parameters(friction, value("robot.gravity") if gravity is None else gravity)
@@ -154,8 +154,8 @@ class BatchSim:
 
     def set_gains(self, kp, kd) -> None:
         """Gains of the leg law: V/rad and V ms/rad, scalars or (8,) or (n, 8)."""
-        self._set8(self._target, stages.TARGET, "kp", np.broadcast_to(kp, (self.n, 8)))
-        self._set8(self._target, stages.TARGET, "kd", np.broadcast_to(kd, (self.n, 8)))
+        self._set8(self._target, layout.TARGET, "kp", np.broadcast_to(kp, (self.n, 8)))
+        self._set8(self._target, layout.TARGET, "kd", np.broadcast_to(kd, (self.n, 8)))
 
     # --- state -----------------------------------------------------------------------------------------------------------
     def reset(self, mask=None) -> None:
@@ -173,17 +173,17 @@ class BatchSim:
         bases = {"position": position, "quaternion": quaternion, "velocity": velocity, "omega": angular_velocity}
         for name, x in bases.items():
             if x is not None:
-                self._set(self._base, stages.BASE, name, 4 if name == "quaternion" else 3, x, mask)
+                self._set(self._base, layout.BASE, name, 4 if name == "quaternion" else 3, x, mask)
         self._set8(self._state, self._rows, "a", 0.0, mask)
         self._forget(mask)
-        self._set(self._base, stages.BASE, "alpha", 3, 0.0, mask)
+        self._set(self._base, layout.BASE, "alpha", 3, 0.0, mask)
 
     def _forget(self, mask) -> None:
         """Memories of effects, of the robots of a mask, as at rest."""
         chosen = np.ones(self._blocks * self.block, bool)
         if mask is not None:
             chosen[: self.n] = mask
-        memories = self._state.reshape(self._blocks, len(self._rows), 4, self.block)[:, len(stages.STATE) :]
+        memories = self._state.reshape(self._blocks, len(self._rows), 4, self.block)[:, len(layout.STATE) :]
         np.moveaxis(memories, 3, 1)[chosen.reshape(self._blocks, self.block)] = 0.0
 
     @property
@@ -216,22 +216,22 @@ class BatchSim:
     @property
     def position(self) -> np.ndarray:
         """(n, 3) origin of the chassis frame in the world, mm."""
-        return self._get(self._base, stages.BASE, "position", 3)
+        return self._get(self._base, layout.BASE, "position", 3)
 
     @property
     def quaternion(self) -> np.ndarray:
         """(n, 4) chassis orientation, wxyz."""
-        return self._get(self._base, stages.BASE, "quaternion", 4)
+        return self._get(self._base, layout.BASE, "quaternion", 4)
 
     @property
     def velocity(self) -> np.ndarray:
         """(n, 3) velocity of the chassis frame's origin, world axes, mm/ms."""
-        return self._get(self._base, stages.BASE, "velocity", 3)
+        return self._get(self._base, layout.BASE, "velocity", 3)
 
     @property
     def angular_velocity(self) -> np.ndarray:
         """(n, 3) angular velocity of the chassis in its own axes, rad/ms."""
-        return self._get(self._base, stages.BASE, "omega", 3)
+        return self._get(self._base, layout.BASE, "omega", 3)
 
     @property
     def finite(self) -> np.ndarray:
@@ -245,7 +245,7 @@ class BatchSim:
 
         With `record`, returns the state before each substep and the voltage held over it: q, qd (n, steps, 8) rad, rad/ms, volts V.
         """
-        self._set8(self._target, stages.TARGET, "target", np.asarray(targets) * SIGN)
+        self._set8(self._target, layout.TARGET, "target", np.asarray(targets) * SIGN)
         return self._advance(steps, True, np.zeros((self._blocks, 1, 2 * 4 * self.block), self.dtype), record)
 
     def step_voltages(self, volts, *, record: bool = False) -> dict[str, np.ndarray] | None:
@@ -275,7 +275,7 @@ class BatchSim:
         Forces are those at volts (n, 8) V, or with effects, which remember, those of the last step.
         """
         drive = self._no_drive.copy()
-        self._set8(drive, stages.DRIVE, "drive", (np.asarray(volts, float) - value("actuator.neutral_voltage")) * DRIVE_SIGN)
+        self._set8(drive, layout.DRIVE, "drive", (np.asarray(volts, float) - value("actuator.neutral_voltage")) * DRIVE_SIGN)
         self._module.look(self._state, drive, self._param, self._weights, self._seen)
         along_y = np.array([joint_signs(leg)[1] for leg in LEGS for _ in (0, 1)], float)
         signs = {"tip": along_y, "tip_rate": along_y, "tip_force": along_y, "torque": SIGN}

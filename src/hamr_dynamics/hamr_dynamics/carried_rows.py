@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from . import stages
+from . import layout
 from .emit import Part
 from .plant import Plant
 
@@ -41,7 +41,7 @@ def carried_rows(plant: Plant, laws: Sequence[Part], places: Mapping[str, int], 
     Args:
         laws: parts that only some robots use. places: where `state` and `param` begin in the working array. legs: lanes.
     """
-    rows = {"state": stages.state_rows(plant), "param": stages.parameter_rows(plant)}
+    rows = {"state": layout.state_rows(plant), "param": layout.parameter_rows(plant)}
     own, always = {}, {}
     for array, names in rows.items():
         own[array] = [_spans([i for i, row in enumerate(names) if row.startswith(part.own)]) for part in laws]

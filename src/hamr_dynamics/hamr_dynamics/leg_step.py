@@ -6,13 +6,13 @@ import numpy as np
 
 from hamr_description.rates import SERVO_MS
 
-from . import driver, kernels, stages
+from . import driver, kernels, layout, leg_stages
 from .adjoint import pullback
 from .emit import loop_source
 from .plant import Plant, flatten
 
 LANES = 16
-STATE = stages.STATE[:6]  # q v a; the stop counts carry no gradient
+STATE = layout.STATE[:6]  # q v a; the stop counts carry no gradient
 
 LOOPS = """
 @jit
@@ -39,7 +39,7 @@ class LegStep:
 
     def __init__(self, plant: Plant, h: float = SERVO_MS) -> None:
         self.plant = plant
-        self.parameter_names = stages.parameter_rows(plant)
+        self.parameter_names = layout.parameter_rows(plant)
         self.module = kernels.load_source(f"{plant.name}_leg", leg_source(plant, h))
 
     def step(self, state, drive, param) -> np.ndarray:
@@ -59,14 +59,14 @@ class LegStep:
 
     def parameters(self, leg: str, *, gravity: float = 0.0) -> np.ndarray:
         """(p,) parameter column of a leg (unused ground rows are zero)."""
-        flat = {**dict.fromkeys(stages.ENVIRONMENT, 0.0), **flatten(self.plant.parameters(leg)), "gravity": gravity}
+        flat = {**dict.fromkeys(layout.ENVIRONMENT, 0.0), **flatten(self.plant.parameters(leg)), "gravity": gravity}
         return np.array([flat[name] for name in self.parameter_names])
 
 
 def leg_source(plant: Plant, h: float) -> str:
     """Source of the module: step, derivative, loops over blocks."""
-    stage = stages.suspended_leg(plant, h)
-    parts = [stage, pullback(stages.suspended_leg(plant, h), ("state", "drive", "param"))]
+    stage = leg_stages.suspended_leg(plant, h)
+    parts = [stage, pullback(leg_stages.suspended_leg(plant, h), ("state", "drive", "param"))]
     head = driver.HEADER.format(plant=plant.name, environment="leg", dtype="float64")
     return "".join([head, *(f"\n@part\n{loop_source(s, LANES)}" for s in parts), LOOPS])
 

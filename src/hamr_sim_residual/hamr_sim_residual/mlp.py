@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hamr_dynamics import stages
+from hamr_dynamics import emit
 
 from . import mlp_kernel
 
@@ -57,7 +57,7 @@ class Mlp:
     @property
     def rows(self) -> tuple[str, ...]:
         """Names of the weights."""
-        return stages.rows(**{name: int(np.prod(shape)) for name, shape in self.shapes()})
+        return emit.rows(**{name: int(np.prod(shape)) for name, shape in self.shapes()})
 
     def split(self, values: np.ndarray) -> dict[str, np.ndarray]:
         """Weights (W,) -> arrays by name."""

@@ -19,12 +19,12 @@ import numpy as np
 
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
-from hamr_dynamics import scalar, stages
+from hamr_dynamics import emit, layout, scalar
 from hamr_dynamics.emit import Stage, loop_source
 
 TERMS = 8
 RATE = 0.1  # rad/ms: unit of the rates in the terms, so that weights of all terms are of like size
-LIMITS = stages.rows(low=2, high=2, rate_limit=1)
+LIMITS = emit.rows(low=2, high=2, rate_limit=1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Series:
     @property
     def rows(self) -> tuple[str, ...]:
         """Names of the weights: limits of angles and rate, then w.i with i = (output, term, monomial)."""
-        return (*LIMITS, *stages.rows(w=2 * TERMS * len(self.powers)))
+        return (*LIMITS, *emit.rows(w=2 * TERMS * len(self.powers)))
 
     def terms(self, q, v, a, drive, limits) -> tuple[tuple, list]:
         """The eight terms phi and the monomials, over any scalar.
@@ -87,8 +87,8 @@ class Series:
 
     def stage(self, name: str = "network") -> Stage:
         """The traced law: (state, drive, weights, scratch) -> torque, weights the same for all lanes."""
-        inputs = {"state": stages.STATE, "drive": stages.DRIVE, "weights": self.rows, "scratch": ()}
-        stage = Stage(name, inputs, {"torque": stages.rows(torque=2)}, uniform=frozenset({"weights"}))
+        inputs = {"state": layout.STATE, "drive": layout.DRIVE, "weights": self.rows, "scratch": ()}
+        stage = Stage(name, inputs, {"torque": emit.rows(torque=2)}, uniform=frozenset({"weights"}))
         q, v, a = (stage.reads("state", x, 2) for x in "qva")
         weights = [stage.read("weights", row) for row in self.rows]
         stage.write("torque", "torque", self.torque(q, v, a, stage.reads("drive", "drive", 2), weights))
