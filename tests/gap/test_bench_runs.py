@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
+from hamr_description.errors import ConfigError
 from hamr_dynamics import machine_kernel
 from hamr_gap import search
-from hamr_gap.bench import ablate
+from hamr_gap.bench import ablate, alone
 from hamr_gap.bench.cases import LEG, load, make, number
 from hamr_gap.bench.other import file_of, measure_otherwise
 from hamr_gap.bench.second import folder_of, measure_again
@@ -73,3 +76,16 @@ def test_every_step_that_can_be_left_out_is_there(step, monkeypatch, tmp_path):
     monkeypatch.setattr(ablate, "solve", lambda *_: seen.extend(getattr(where, name) for where, name, _ in ablate.STEPS[step]))
     ablate.solve_without(step, tmp_path / "answer.json")
     assert not any(np.array_equal(a, b) for a, b in zip(whole, seen, strict=True))
+
+
+def test_seconds_are_of_an_analysis_after_a_first_one(out, monkeypatch, capsys, tmp_path):
+    """Which may compile kernels."""
+    clock = iter((0.0, 600.0, 600.0, 603.0))
+    monkeypatch.setattr(alone, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(alone, "analyse", lambda machine, record: None)
+    alone.main(out, cases=1)
+    told = json.loads(capsys.readouterr().out)
+    assert told["median"] == told["90th percentile"] == 3.0
+    assert len(told["cases"]) == 1
+    with pytest.raises(ConfigError, match="no case"):
+        alone.main(tmp_path)
