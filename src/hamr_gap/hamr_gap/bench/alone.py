@@ -32,7 +32,7 @@ def seconds(case: Path) -> float:
     return perf_counter() - began
 
 
-def main(out: Path, cases: int = 12) -> None:
+def main(out: tyro.conf.Positional[Path], cases: int = 12) -> None:
     """Prints median and 90th percentile of wall seconds.
 
     Args:
