@@ -69,7 +69,7 @@ def test_every_case_has_a_line(tmp_path):
     cases = [
         (7, "pair", "ambiguous", [lag, play], [([lag], 0.6), ([lag, play], 0.35), (None, 0.05)]),
         (3, "null", "parameters_only", [], [(None, 0.1)]),
-        (5, "outside", "unknown", [["outside", "", ["fl_lift"]]], [(None, 0.99)]),
+        (5, "outside", "unknown", [["outside", "cogging", ["fl_lift"]]], [(None, 0.99)]),
     ]  # fmt: skip
     for name, group, verdict, truth, weights in cases:
         answer = {"group": group, "effects": [{"family": e, "law": law, "joints": joints} for e, law, joints in truth]}
@@ -84,6 +84,6 @@ def test_every_case_has_a_line(tmp_path):
     assert rows == [
         list(listing.COLUMNS),
         ["3", "null", "", "parameters_only", "", "", "1", "0", "1.250", "31"],
-        ["5", "outside", "outside (fl_lift)", "unknown", "unknown", "0.990", "1", "0", "1.250", "31"],
+        ["5", "outside", "cogging (fl_lift)", "unknown", "unknown", "0.990", "1", "0", "1.250", "31"],
         ["7", "pair", both, "ambiguous", "drive_lag (fl_lift)", "0.600", "0", "1", "1.250", "31"],
     ]
