@@ -62,3 +62,13 @@ def test_no_size_no_effect(name, form, rng):
             assert (answer.force, answer.stiffness, answer.damping, answer.mass, answer.slip) == (0.0,) * 5
         else:
             assert answer == q
+
+
+@given(*[st.floats(-1.0, 1.0)] * 4)
+def test_a_lever_without_a_spring_is_a_force_factor_and_moves_its_tip_besides(q, drive, second, third):
+    """Force drive a'(q) of the travel q + a2 q^2 + a3 q^3, whose slope is 1 + 2 a2 q + 3 a3 q^2."""
+    effect, at = "configuration_dependent_transmission", Joint(q, 0.0, drive, 1.0, 1.0, 0.0, H, 0.0)
+    lever, _ = find(effect, "lever").law(at, {"second": second, "third": third, "share": 0.0}, ())
+    factor, _ = find(effect, "force_factor").law(at, {"first": 2.0 * second, "second": 3.0 * third}, ())
+    assert factor.force == pytest.approx(lever.force, rel=1e-9, abs=1e-12)
+    assert (factor.slip, lever.slip) == (0.0, pytest.approx(q * q * (second + third * q)))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.stats import binomtest
 
 from hamr_description.errors import ConfigError
-from hamr_gap.bench.pool import pooled, read
+from hamr_gap.bench.pool import main, pooled, read
 from hamr_gap.bench.rates import interval, rate
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -54,6 +54,13 @@ def test_listings_are_pooled():
     assert "triples: exact" not in rows
     both = dict(pooled([*listing, *read(DOCS / "gap_bench_sixth.csv")]))
     assert both["singles: exact"].startswith("88 % (") and both["singles: exact"].endswith("n = 34)")  # 14 and 16 of 14 and 20
+
+
+def test_a_law_may_be_left_out(capsys):
+    for but, count in (((), 19), (("snap", "three_waves"), 17)):
+        main((DOCS / "gap_bench_tenth.csv",), but)
+        (line,) = (line for line in capsys.readouterr().out.splitlines() if "called unknown" in line and "outside" in line)
+        assert line.endswith(f"n = {count}) |")
 
 
 def test_what_is_no_listing_is_refused(tmp_path):

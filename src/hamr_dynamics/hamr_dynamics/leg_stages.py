@@ -31,6 +31,7 @@ def command(plant: Plant, h: float) -> list[Part]:
 
 def forces(plant: Plant, h: float) -> list[Part]:
     """What effects add to a leg's equations; nothing of a plant without effects."""
+
     def middle(stage: Stage) -> tuple[tuple, tuple]:
         state = read_state(stage)
         return ahead(state, h)[0], state.v

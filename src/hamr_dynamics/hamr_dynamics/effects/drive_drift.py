@@ -18,15 +18,13 @@ def linear(x: Input, p, z):
 
 def settling(x: Input, p, z):
     """u (1 + change (1 - exp(-t / time)))."""
-    share = x.step / (p["time"] + 0.5 * x.step)
-    done = z[0] + share * (1.0 - z[0])
+    done = _nearer(z[0], 1.0, x.step, p["time"])
     return x.u + (p["change"] * done) * x.u, (done,)
 
 
 def heating(x: Input, p, z):
     """u (1 + change h), h the mean of u^2 over the time before: what the piezo loses warms it."""
-    share = x.step / (p["time"] + 0.5 * x.step)
-    heat = z[0] + share * (x.u * x.u - z[0])
+    heat = _nearer(z[0], x.u * x.u, x.step, p["time"])
     return x.u + (p["change"] * heat) * x.u, (heat,)
 
 
@@ -37,6 +35,11 @@ def waves(x: Input, p, z):
         phase = 2.0 * math.pi * x.time / p[f"{name}_period"]
         gain = gain + p[f"{name}_sine"] * sin(phase) + p[f"{name}_cosine"] * cos(phase)
     return x.u * gain, z
+
+
+def _nearer(z, goal, step, time):
+    """A state after a step of its exponential way to a goal."""
+    return z + step / (time + 0.5 * step) * (goal - z)
 
 
 RATE = Parameter("rate", "1/S", 0.05, -5.0, 5.0, "relative change per time")
