@@ -18,6 +18,7 @@ from .sensors import Sensors
 from .weighed import Weighed
 
 HALVINGS = 30  # of a start that diverges
+ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which another start is worth its time
 
 
 @dataclass(frozen=True)

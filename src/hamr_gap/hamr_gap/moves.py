@@ -14,6 +14,7 @@ from .fit import Fit
 from .hypothesis import Hypothesis, Start, refine, refined, residual, starts
 from .parameters import Candidate, effect_parameters
 from .screen import Screen, screen
+from .sought import sought
 from .weighed import Weighed
 
 LIKED = 24  # names simulated alone: those that leave little then stand high in the linear picture about a re-tune
@@ -22,7 +23,7 @@ FOLLOWED = 12  # of the one that explains most, if it has more
 ALIKE = 1.5  # times the least cost, up to which fewer places explain as much
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
 ALONE, PROMISING = 20.0, 3.0  # times the cost of the best start, from which one effect, or a larger set, is fitted at all
-MORE = 6  # names fitted beside others
+MORE = 6  # effects fitted beside others
 
 
 def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None) -> Screen:
@@ -46,9 +47,19 @@ def first_of_each(found: Sequence[Start], count: int) -> list[Start]:
     return list(best.values())[:count]
 
 
-def in_forms(found: Sequence[Start], names: int, forms: int) -> list[Start]:
-    """The first names, the very first of them in every form: all forms of a name come before a second name."""
-    first = first_of_each(found, names)
+def first_families(found: Sequence[Start], count: int) -> list[Start]:
+    """The same for so many effects, at all places that come before the last of these: places of one effect crowd no other out."""
+    kept, effects = [], set()
+    for start in first_of_each(found, len(found)):
+        effects.add(start.effects[0].effect)
+        if len(effects) > count:
+            break
+        kept.append(start)
+    return kept
+
+
+def in_forms(first: Sequence[Start], found: Sequence[Start], forms: int) -> list[Start]:
+    """Starts of names, the very first of them in every form found: all forms of a name come before a second name."""
     every = {_names(s) for s in first[:forms]}
     best: dict[Candidate, Start] = {}
     for start in sorted(found, key=lambda s: s.cost):
@@ -72,7 +83,7 @@ def pairs_of(
     kept = form.values()
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return refined(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)))
+    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)))
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
@@ -80,11 +91,18 @@ def apart(a: Candidate, b: Candidate) -> bool:
     return a.effect != b.effect and a.effect not in library()[b.effect].contains and b.effect not in library()[a.effect].contains
 
 
-def beside(weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate]) -> list[Hypothesis]:
-    """One more effect beside others, in a linear picture about them; the first name in all its forms."""
+def beside(
+    weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate], best: Hypothesis,
+) -> list[Hypothesis]:  # fmt: skip
+    """One more effect beside others, in a linear picture about them; the first name in all its forms.
+
+    Args:
+        best: what leaves least so far.
+    """
     wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
-    found = in_forms(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted), MORE, 1)
-    fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in refined(weighed, judged, promising(found))]
+    found = promising(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted))
+    added = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [best])
+    fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in added]
     return [*fitted, *at_both(weighed, judged, fitted)]
 
 

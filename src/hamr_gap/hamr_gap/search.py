@@ -10,13 +10,14 @@ import numpy as np
 from .blocks import THROUGHOUT, better
 from .candidates import candidates
 from .fit import fit
-from .hypothesis import Hypothesis, Start, refined, residual
+from .hypothesis import Hypothesis, Start, residual
 from .moves import ALONE, at_both, beside, first_of_each, in_forms, in_other_shapes, look, pairs_of, promising, singles
 from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
 from .sensor_steps import staircases, with_stairs
 from .simpler import HARMLESS, as_narrow, narrowed, special_cases, without
+from .sought import sought
 from .weighed import Weighed
 
 SINGLES = 10  # names fitted for good
@@ -96,7 +97,7 @@ def search(
     state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
     alone, wanted = _alone(weighed, base, seen, everything)
-    state.tried += refined(weighed, judged, [*wanted, *known])
+    state.tried += sought(weighed, judged, [*wanted, *known])
     state.tried += at_both(weighed, judged, state.tried)
     if state.best.left - noise_floor(weighed, state.best) > state.enough:
         state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
@@ -116,7 +117,7 @@ def search(
         report(f"sets of {size}")
         smaller = state.best_of(size - 1)
         state.tried += pairs_of(weighed, judged, base.fit, seen, everything, alone) if size == 2 else []
-        state.tried += beside(weighed, judged, smaller, everything)
+        state.tried += beside(weighed, judged, smaller, everything, state.best)
         if state.best.left - state.floor > NEEDED * before:
             break
         _exchange(weighed, judged, state, everything, smaller)
@@ -134,7 +135,8 @@ def _alone(weighed: Weighed, base: Hypothesis, seen: Screen, everything: Sequenc
     given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
     if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
         found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
-    wanted = in_forms(promising(found, ALONE), SINGLES, ALL_FORMS)
+    near = promising(found, ALONE)
+    wanted = in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
     names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
     return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
 
@@ -153,7 +155,7 @@ def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: S
         rest = frozenset(best.effects) - {untried[0]}
         done.add(rest)
         others = next((h for h in state.tried if frozenset(h.effects) == rest), None)
-        state.tried += beside(weighed, judged, others or without(weighed, judged, best, untried[0]), everything)
+        state.tried += beside(weighed, judged, others or without(weighed, judged, best, untried[0]), everything, state.best)
         best = state.best if best.left - state.floor > state.enough else best
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hamr_dynamics.effects.law import Form
+from hamr_dynamics.effects.law import Form, Parameter
 from hamr_dynamics.effects.library import library
 
 from .hypothesis import Hypothesis, Start, refine, refined
@@ -66,11 +66,19 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
         for simple in (s for name in names for form in library()[name].forms for s in _within(c, name, form) if s != c):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}
-            like = {simple.row(p, place): values.get(c.row(p, at)) for p in simple.law.parameters for place, at in there.items()}
+            like = {simple.row(p, place): values.get(_like(c, p, at)) for p in simple.law.parameters for place, at in there.items()}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
             x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
             wanted.append(Start(effects, free, x, np.inf))
     return refined(weighed, judged, wanted)
+
+
+def _like(c: Candidate, p: Parameter, place: int) -> str:
+    """Row of an effect's parameter that says what one of another law says: of the same name, or of sizes the only one of its unit."""
+    alike = [own for own in c.law.parameters if own.name == p.name] or [
+        own for own in c.law.sizes if own.dimension == p.dimension and not p.shape
+    ]
+    return c.row(alike[0], place) if len(alike) == 1 else ""
 
 
 def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
-from .fit import Fit, fit
+from .fit import ROUGH, Fit, fit
 from .initial_states import InitialStates
 from .model import BAND, Model
 from .parameters import changes
@@ -19,7 +19,6 @@ from .scales import scales_of
 from .weighed import Weighed
 
 HELD = 1.2  # by how much less must be left of a drive held between samples, where the driver is known to be faster than that
-ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which another start is worth its time
 ASTRAY = 0.2  # of a sensor's motion: a re-tuned free run that is off by more, from an unknown start, is lost, and shorter ones serve
 TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
 
@@ -37,7 +36,7 @@ class Tuned:
     @property
     def rms(self) -> np.ndarray:
         """(channels,) of what is left of the fitted readings."""
-        return _rms(self.weighed, self.fit.reading)
+        return self.weighed.missed(self.fit.reading) * self.weighed.sigma
 
 
 def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = False) -> Tuned:
@@ -53,7 +52,7 @@ def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = F
     free = not record.rest and not best.weighed.model.starts
     if free and not whole and (best.rms > ASTRAY * np.nanstd(record.readings, axis=0)).any():
         best = replace(_held_or_smooth(machine, record, noise, min(telling(machine), record.span / MANY)), shortened=True)
-    if best.weighed.model.pieces is None and np.max(best.rms / best.weighed.sigma) > ROUGH:
+    if best.weighed.model.pieces is None and best.weighed.missed(best.fit.reading).max() > ROUGH:
         best = _led_by_pieces(best)
     return best
 
@@ -88,7 +87,7 @@ def _tuned(machine: Machine, record: Record, noise: np.ndarray, piece: float) ->
 
 
 def _trusted(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
-    return np.maximum(weighed.sigma, TRUST * _rms(weighed, reading))
+    return np.maximum(weighed.sigma, TRUST * weighed.missed(reading) * weighed.sigma)
 
 
 def _led_by_pieces(tuned: Tuned) -> Tuned:
@@ -97,15 +96,8 @@ def _led_by_pieces(tuned: Tuned) -> Tuned:
     A run that hits its stops at another time than it did is lost from there on, and fits rest in minima that this makes; pieces do not.
     """
     weighed, found = tuned.weighed, tuned.fit
-    parts = replace(weighed.model, piece=telling(weighed.model.machine))
-    short = replace(weighed, model=parts, coarse=parts, chosen=mask(parts, tuned.roles.fit), initial=None)
-    begun = fit(short, found.free, np.zeros(len(found.x)))
+    begun = fit(weighed.in_pieces(), found.free, np.zeros(len(found.x)))
     return replace(tuned, fit=min(found, fit(weighed, found.free, begun.x), key=lambda f: f.cost))
-
-
-def _rms(weighed: Weighed, reading: np.ndarray) -> np.ndarray:
-    left = np.where(weighed.chosen, weighed.left(reading) * weighed.sigma, np.nan)
-    return np.sqrt(np.nanmean(left**2, axis=0))
 
 
 def _coarsest(machine: Machine, record: Record) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from .initial_states import InitialStates
 from .model import Model
 from .motion import measured_by
+from .pieces import telling
 from .sensors import Sensors, late, slope
 
 INDEPENDENT = 100  # readings, as which those count that show a wrong model
@@ -75,10 +76,20 @@ class Weighed:
         began = measured_by(self.model.machine, self.model.record).values() if self.model.starts else ()
         return tuple(sorted(set(range(len(self.sigma))) - {c for c, _ in began}))
 
+    def missed(self, reading: np.ndarray) -> np.ndarray:
+        """(channels,) rms, in units of the noise, by which readings miss those that count."""
+        return np.sqrt(np.nanmean(np.where(self.chosen, self.left(reading), np.nan) ** 2, axis=0))
+
     @property
     def sensor_count(self) -> int:
         """Columns of `sensor_columns`."""
         return len(self.biased) + len(self.gains) + 1
+
+    def in_pieces(self) -> Weighed:
+        """The same in short runs, each from a measured start, of what runs freely."""
+        length = telling(self.model.machine)
+        model, coarse = (replace(m, piece=length) if m else None for m in (self.model, self.coarse))
+        return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target), initial=None)
 
     def on_time(self, delay: float) -> Weighed:
         """With the clocks' shift, T, in the model, so that what sensors do besides is done to what they see."""

@@ -33,5 +33,6 @@ EFFECT = Effect(
     forms=(Form("pade", "drive", pade, (DELAY,), states=2, order=1),),
     experiment="closed loop, or a second sensor: in open loop a delay of everything is a shift of the clock",
     source="hamr_facts 7, effect 20",
+    mimics=("drive_lag",),  # below its corner a lag is a delay
     same_as={"sensor_latency": "in open loop, when all sensors of what it drives are equally late"},
 )

@@ -24,4 +24,5 @@ EFFECT = Effect(
     forms=(Form("first_order", "drive", first_order, (Parameter("time", "T", 0.2, 0.0, 20.0, "time constant"),), states=1, order=2),),
     experiment="noise or steps beyond the corner frequency: gain falls there, unlike with a delay",
     source="hamr_facts 7, effect 19 (shunt resistor and actuator capacitance)",
+    mimics=("drive_delay",),  # below its corner it is one
 )

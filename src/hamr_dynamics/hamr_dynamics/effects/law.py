@@ -216,7 +216,7 @@ class Effect:
 
     Attributes:
         name, part (of `PARTS`), summary: one sentence. forms: in order of simplicity.
-        contains: names that this one holds as a special case. mimics: simpler names that it can be taken for, beside a re-tune.
+        contains: names that this one holds as a special case. mimics: names no wider that it can be taken for, beside a re-tune.
         same_as: other name -> the condition under which no data tell them apart.
         needs: why a run may not show it at all: "ground", "deflections", "closed loop", "hold"; empty for any run.
         smooth: whether readings change little by little with its sizes, so that derivatives lead to them.

@@ -32,5 +32,6 @@ EFFECT = Effect(
     ),
     experiment="a second sensor on the same joint, at frequencies beyond the corner",
     source="gap_method 3.2",
+    mimics=("sensor_latency",),  # below its corner it is one
     same_as={"drive_lag": "in open loop while the joint is linear, without a second sensor"},
 )

@@ -18,5 +18,6 @@ EFFECT = Effect(
     forms=(Form("pade", "sense", pade, (Parameter("delay", "T", 0.05, DELAY.low, DELAY.high, DELAY.doc),), states=2, order=2),),
     experiment="closed loop, or a second sensor on the same joint",
     source="hamr_facts 7, effect 20",
+    mimics=("sensor_lag",),  # below its corner a lag is a latency
     same_as={"drive_delay": "in open loop, when all sensors of what it drives are equally late"},
 )
