@@ -39,13 +39,13 @@ def rubbing() -> Prepared:
     return prepare(machine_of("simple", "fl"), shaken("coulomb_friction.presliding", {"level.0": 4e-3, "distance.0": 0.005}))
 
 
-def shaken(law: str, rows: dict[str, float]) -> Record:
-    """A leg with some rows of a law on, driven by noise to 40 Hz."""
+def shaken(law: str, rows: dict[str, float], volts: tuple[float, float] = (9.0, 9.0)) -> Record:
+    """A leg with some rows of a law on, driven by noise to 40 Hz: 40 waves of some amplitude, V, in each joint."""
     leg = machine_of("simple", "fl")
     n = int(SECONDS * 1e3 / STEP)
     random, time = np.random.default_rng(2), np.arange(n) * STEP * 1e-3
     waves = [(random.uniform(3.0, 40.0), random.uniform(0.0, 2 * np.pi, 2)) for _ in range(40)]
-    drives = 9.0 * sum(np.sin(2 * np.pi * hz * time[:, None] + phase) for hz, phase in waves)
+    drives = np.array(volts) * sum(np.sin(2 * np.pi * hz * time[:, None] + phase) for hz, phase in waves)
     row = leg.neutral(Scales(0.06, 0.1, 0.07, 60.0, 12e3))
     for name, x in rows.items():
         row[leg.parameter_rows.index(f"{law}.{name}")] = x
@@ -178,7 +178,7 @@ def test_the_model_as_given_is_looked_about_only_where_the_retune_is_not_far_bet
     monkeypatch.setattr(search_module, "candidates", lambda machine, record: [FRICTION, *BESIDE])
     about, wanted = [], []
     monkeypatch.setattr(search_module, "look", lambda weighed, fit, *more, **how: (about.append(fit), look(weighed, fit, *more, **how))[1])
-    monkeypatch.setattr(search_module, "refined", lambda weighed, judged, starts: (wanted.extend(starts), 1 / 0))  # no further
+    monkeypatch.setattr(search_module, "sought", lambda weighed, judged, starts: (wanted.extend(starts), 1 / 0))  # no further
     with pytest.raises(ZeroDivisionError):
         search_module.search(rubbing.weighed, rubbing.judged, rubbing.base)
     assert [f.cost for f in about] == [rubbing.base.fit.cost, given.cost][: 1 + near]

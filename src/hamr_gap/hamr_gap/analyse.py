@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import Machine
@@ -61,6 +62,7 @@ class Analysis:
         return {"base": base, "best": best, "floor": noise_floor(weighed, judge(weighed, rows, (), self.best.fit))}
 
 
+@threadpool_limits.wrap(limits=1)  # cores are busy with runs; and sums in another order would have other last digits
 def analyse(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None) -> Analysis:
     """Finds the gap between a machine's model and a record of it, and names what is missing.
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from threadpoolctl import threadpool_limits
+
 from ..analyse import CONFIRMED, SIGNIFICANT
 from ..blocks import better
 from ..hypothesis import Hypothesis
@@ -42,6 +44,7 @@ class Analysis:
         return {"base": left_of(replay, begun)[0], "best": best, "floor": self.search.floor}
 
 
+@threadpool_limits.wrap(limits=1)  # as for legs
 def analyse(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: None) -> Analysis:
     """Finds the gap between a backend and a walk, and names what is missing.
 

@@ -1,0 +1,83 @@
+"""Fits that short pieces lead, where a free run's cost is rough; and what else keeps a right name from being overlooked."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_moves import FRICTION, fitted, shaken
+
+from hamr_gap.hypothesis import Start, refine
+from hamr_gap.legs import machine_of
+from hamr_gap.moves import first_families, first_of_each, look, singles
+from hamr_gap.parameters import Candidate, effect_parameters
+from hamr_gap.prepare import Prepared, prepare
+from hamr_gap.simpler import special_cases
+from hamr_gap.sought import sought
+from hamr_gap.weighed import Weighed
+
+BRISTLES = Candidate("coulomb_friction", "lugre", (0, 1))
+
+
+@pytest.fixture(scope="module")
+def sticking() -> Prepared:
+    """A leg with friction of a third of its drive: it sticks and lets go."""
+    rows = {"level.0": 2e-2, "distance.0": 1e-3, "level.1": 1e-2, "distance.1": 1e-3}
+    return prepare(machine_of("simple", "fl"), shaken("coulomb_friction.lugre", rows))
+
+
+def bold(prepared: Prepared, c: Candidate) -> Start:
+    """From sizes as large as their priors."""
+    free = (*prepared.base.fit.free, *effect_parameters((c,), prepared.weighed.model.scales))
+    x = np.array([*prepared.base.fit.x, *(f.center or f.sd for f in free[len(prepared.base.fit.x) :])])
+    return Start((c,), free, x, np.inf)
+
+
+def test_short_pieces_lead_where_a_free_run_rests_elsewhere(sticking):
+    direct = refine(sticking.weighed, sticking.judged, bold(sticking, BRISTLES))
+    (led,) = sought(sticking.weighed, sticking.judged, [bold(sticking, BRISTLES)])
+    assert led.fit.cost < 0.5 * direct.fit.cost
+    assert led.left < 1.6 < direct.left < 0.01 * sticking.base.left
+    assert led.effects == (BRISTLES,)
+
+
+def test_nothing_is_led_beside_what_explains_the_record(sticking, monkeypatch):
+    known = refine(sticking.weighed, sticking.judged, bold(sticking, BRISTLES))
+    for rough, explained in ((1.01, True), (0.99, False)):
+        monkeypatch.setattr("hamr_gap.sought.ROUGH", rough * sticking.weighed.missed(known.fit.reading).max())
+        monkeypatch.setattr(Weighed, "in_pieces", lambda weighed: 1 / 0)
+        if explained:
+            assert sought(sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])[0].effects == (FRICTION,)
+        else:
+            with pytest.raises(ZeroDivisionError):
+                sought(sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])
+
+
+def test_of_two_names_alike_each_is_tried_from_the_others_numbers():
+    """A lag of some time is nearly a delay of the same."""
+    late = prepare(machine_of("simple", "fl"), shaken("drive_lag.first_order", {"time.1": 0.4}))
+    delay = fitted(late, Candidate("drive_delay", "pade", (1,)))
+    (lag,) = special_cases(late.weighed, late.judged, delay)
+    assert lag.names == frozenset({("drive_lag", (1,))})
+    assert lag.left < 1.1 < delay.left
+
+
+def test_a_stop_at_the_end_of_the_travel_is_seen_there():
+    """Far beyond what is usual on a leg whose other joint hardly moves."""
+    edge = prepare(machine_of("simple", "fl"), shaken("end_stop.upper", {"stiffness.0": 1.0, "limit.0": 0.3}, (9.0, 1.0)))
+    usual = edge.weighed.model.scales.coordinate
+    assert 3.2 * usual < 0.3
+    c = Candidate("end_stop", "upper", (0,))
+    begun = singles(edge.weighed, edge.base.fit, look(edge.weighed, edge.base.fit, [c]), [c])
+    best = refine(edge.weighed, edge.judged, min(begun, key=lambda start: start.cost))
+    assert best.left < 1.3 < 0.01 * edge.base.left
+    limit = dict(zip((f.row for f in best.fit.free), best.fit.x, strict=True))["end_stop.upper.limit.0"]
+    assert limit * usual == pytest.approx(0.3, rel=0.01)
+
+
+def test_places_of_one_effect_crowd_no_other_out():
+    """Of three effects, one at both joints and at one of them, two are wanted: all that comes before the third."""
+    wide, lag = Candidate(FRICTION.effect, FRICTION.form, (0, 1)), Candidate("drive_lag", "first_order", (1,))
+    order = (wide, FRICTION, lag, Candidate("quadratic_damping", "square", (1,)))
+    found = [Start((c,), (), np.zeros(0), float(cost)) for cost, c in enumerate(order)]
+    assert [s.effects[0] for s in first_families(found, 2)] == [wide, FRICTION, lag]
+    assert [s.effects[0] for s in first_of_each(found, 2)] == [wide, FRICTION]
