@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_moves import FRICTION, fitted, shaken
+from test_moves import FRICTION, fitted, rubbing, shaken  # noqa: F401 (a fixture)
 
 from hamr_gap.hypothesis import Start, refine
 from hamr_gap.legs import machine_of
@@ -33,23 +33,35 @@ def bold(prepared: Prepared, c: Candidate) -> Start:
 
 
 def test_short_pieces_lead_where_a_free_run_rests_elsewhere(sticking):
-    direct = refine(sticking.weighed, sticking.judged, bold(sticking, BRISTLES))
-    (led,) = sought(sticking.weighed, sticking.judged, [bold(sticking, BRISTLES)])
+    (direct, led), rough = sought(sticking.weighed, sticking.judged, [bold(sticking, BRISTLES)])
+    assert direct.fit.cost == refine(sticking.weighed, sticking.judged, bold(sticking, BRISTLES)).fit.cost
     assert led.fit.cost < 0.5 * direct.fit.cost
     assert led.left < 1.6 < direct.left < 0.01 * sticking.base.left
-    assert led.effects == (BRISTLES,)
+    assert led.effects == (BRISTLES,) and rough
 
 
 def test_nothing_is_led_beside_what_explains_the_record(sticking, monkeypatch):
     known = refine(sticking.weighed, sticking.judged, bold(sticking, BRISTLES))
-    for rough, explained in ((1.01, True), (0.99, False)):
-        monkeypatch.setattr("hamr_gap.sought.ROUGH", rough * sticking.weighed.missed(known.fit.reading).max())
-        monkeypatch.setattr(Weighed, "in_pieces", lambda weighed: 1 / 0)
-        if explained:
-            assert sought(sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])[0].effects == (FRICTION,)
-        else:
-            with pytest.raises(ZeroDivisionError):
-                sought(sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])
+    about = (sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])
+    missed = sticking.weighed.missed(known.fit.reading).max()
+    monkeypatch.setattr(Weighed, "in_pieces", lambda weighed: 1 / 0)
+    monkeypatch.setattr("hamr_gap.sought.ROUGH", 1.01 * missed)
+    (found,), rough = sought(*about)
+    assert found.effects == (FRICTION,) and not rough
+    monkeypatch.setattr("hamr_gap.sought.ROUGH", 0.99 * missed)
+    assert len(sought(*about, rough=False)[0]) == 1
+    with pytest.raises(ZeroDivisionError):
+        sought(*about)
+
+
+def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(rubbing, monkeypatch):
+    """Damping at one joint or the other: neither explains the friction, and both costs are smooth."""
+    starts = [bold(rubbing, Candidate("quadratic_damping", "square", (joint,))) for joint in (0, 1)]
+    led, real = [], Weighed.in_pieces
+    monkeypatch.setattr(Weighed, "in_pieces", lambda weighed: (led.append(weighed), real(weighed))[1])
+    monkeypatch.setattr("hamr_gap.sought.FIRST", 1)
+    fitted, rough = sought(rubbing.weighed, rubbing.judged, starts)
+    assert len(fitted) == 2 and not rough and len(led) == 1
 
 
 def test_of_two_names_alike_each_is_tried_from_the_others_numbers():

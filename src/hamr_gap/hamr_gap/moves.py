@@ -69,11 +69,12 @@ def in_forms(first: Sequence[Start], found: Sequence[Start], forms: int) -> list
 
 
 def pairs_of(
-    weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, everything: Sequence[Candidate], alone: Sequence[Start]
-) -> list[Hypothesis]:
+    weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, everything: Sequence[Candidate], alone: Sequence[Start],
+    *, rough: bool,
+) -> list[Hypothesis]:  # fmt: skip
     """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted.
 
-    Of each name the form whose start, `alone`, left least, or what the linear picture likes best.
+    Of each name the form whose start, `alone`, left least, or what the linear picture likes best. `rough` as of `sought`.
     """
     best = {c: seen.best(c)[0] for c in everything}
     simulated = [start.effects[0] for start in first_of_each(alone, len(alone))]
@@ -83,7 +84,7 @@ def pairs_of(
     kept = form.values()
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)))
+    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)), rough=rough)[0]
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
@@ -92,16 +93,16 @@ def apart(a: Candidate, b: Candidate) -> bool:
 
 
 def beside(
-    weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate], best: Hypothesis,
+    weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate], best: Hypothesis, *, rough: bool,
 ) -> list[Hypothesis]:  # fmt: skip
     """One more effect beside others, in a linear picture about them; the first name in all its forms.
 
     Args:
-        best: what leaves least so far.
+        best: what leaves least so far. rough: as of `sought`.
     """
     wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
     found = promising(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted))
-    added = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [best])
+    added, _ = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [best], rough=rough)
     fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in added]
     return [*fitted, *at_both(weighed, judged, fitted)]
 

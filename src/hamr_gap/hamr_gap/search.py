@@ -97,7 +97,7 @@ def search(
     state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
     alone, wanted = _alone(weighed, base, seen, everything)
-    state.tried += sought(weighed, judged, [*wanted, *known])
+    state.tried, rough = sought(weighed, judged, [*wanted, *known])
     state.tried += at_both(weighed, judged, state.tried)
     if state.best.left - noise_floor(weighed, state.best) > state.enough:
         state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
@@ -116,11 +116,11 @@ def search(
             break
         report(f"sets of {size}")
         smaller = state.best_of(size - 1)
-        state.tried += pairs_of(weighed, judged, base.fit, seen, everything, alone) if size == 2 else []
-        state.tried += beside(weighed, judged, smaller, everything, state.best)
+        state.tried += pairs_of(weighed, judged, base.fit, seen, everything, alone, rough=rough) if size == 2 else []
+        state.tried += beside(weighed, judged, smaller, everything, state.best, rough=rough)
         if state.best.left - state.floor > NEEDED * before:
             break
-        _exchange(weighed, judged, state, everything, smaller)
+        _exchange(weighed, judged, state, everything, smaller, rough=rough)
     state.tried += special_cases(weighed, judged, state.best)
     state.tried += narrowed(weighed, judged, state.best)  # beside a simpler name others may have nothing left to do
     state.tried += as_narrow(weighed, judged, state.tried)
@@ -141,13 +141,15 @@ def _alone(weighed: Weighed, base: Hypothesis, seen: Screen, everything: Sequenc
     return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
 
 
-def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:
+def _exchange(
+    weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis, *, rough: bool,
+) -> None:  # fmt: skip
     """Takes each effect of the best set out in turn and looks for what stands best beside the others, until that changes nothing.
 
     Of a set that explains all there is, each effect is taken out once: others may explain as much.
 
     Args:
-        known: others beside which that has been looked for.
+        known: others beside which that has been looked for. rough: as of `sought`.
     """
     done = {frozenset(known.effects)}
     best = state.best
@@ -155,7 +157,8 @@ def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: S
         rest = frozenset(best.effects) - {untried[0]}
         done.add(rest)
         others = next((h for h in state.tried if frozenset(h.effects) == rest), None)
-        state.tried += beside(weighed, judged, others or without(weighed, judged, best, untried[0]), everything, state.best)
+        others = others or without(weighed, judged, best, untried[0])
+        state.tried += beside(weighed, judged, others, everything, state.best, rough=rough)
         best = state.best if best.left - state.floor > state.enough else best
 
 

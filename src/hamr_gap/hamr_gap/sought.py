@@ -7,38 +7,52 @@ Bock 1983), so fits of these end near the right numbers, from which a free run i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from .fit import ROUGH, Fit, fit
+from .fit import ROUGH, fit
 from .hypothesis import Hypothesis, Start, judge, refined
 from .threads import at_once
 from .weighed import Weighed
 
 STEPS, TOLERANCE = 15, 3e-3  # of fits that lead only
 NEAR = 3.0  # times the least that short pieces leave, up to which a set is fitted to free runs again
+FIRST = 6  # sets that are led at first, and the rest where that gains anything
+GAINS = 0.9  # of the cost of a fit that nothing led
 
 
-def sought(weighed: Weighed, judged: np.ndarray, found: Iterable[Start], known: Iterable[Hypothesis] = ()) -> list[Hypothesis]:
-    """Fits several sets for good, in their order.
+def sought(
+    weighed: Weighed, judged: np.ndarray, found: Iterable[Start], known: Iterable[Hypothesis] = (), *, rough: bool = True,
+) -> tuple[list[Hypothesis], bool]:  # fmt: skip
+    """Fits several sets for good.
 
     Args:
         known: other hypotheses; if one of them or of these leaves little more than the noise, no other start is worth its time.
+        rough: whether short pieces may lead to more.
+
+    Returns:
+        One for each set and one more for each that short pieces led to less; whether there is any of these.
     """
     found = list(found)
     fitted = refined(weighed, judged, found)
-    if not fitted or weighed.model.pieces is not None or any(_explained(weighed, h.fit) for h in (*fitted, *known)):
-        return fitted
+    free = rough and fitted and weighed.model.pieces is None
+    if not free or any(weighed.missed(h.fit.reading).max() < ROUGH for h in (*fitted, *known)):
+        return fitted, False
+    order = sorted(range(len(found)), key=lambda k: fitted[k].fit.cost)
+    led: list[Hypothesis] = []
+    for part in (order[:FIRST], order[FIRST:]):
+        led += _led(weighed, judged, [found[k] for k in part], [fitted[k] for k in part])
+        if not led:
+            break
+    return [*fitted, *led], bool(led)
+
+
+def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Those of some sets that short pieces lead to less."""
     short = weighed.in_pieces()
     begun = at_once(lambda start: fit(short, start.free, start.x, steps=STEPS, tolerance=TOLERANCE), found)
-    least = min(f.cost for f in begun)
-    near = [k for k, f in enumerate(begun) if f.cost < NEAR * least]
-    for k, f in zip(near, at_once(lambda k: fit(weighed, found[k].free, begun[k].x), near), strict=True):
-        if f.cost < fitted[k].fit.cost:
-            fitted[k] = judge(weighed, judged, found[k].effects, f)
-    return fitted
-
-
-def _explained(weighed: Weighed, found: Fit) -> bool:
-    return weighed.missed(found.reading).max() < ROUGH
+    least = min((f.cost for f in begun), default=0.0)
+    near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
+    again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)
+    return [judge(weighed, judged, at[0].effects, f) for at, f in zip(near, again, strict=True) if f.cost < GAINS * at[2]]
