@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_moves import FRICTION, fitted, rubbing, shaken  # noqa: F401 (a fixture)
+from test_moves import FRICTION, fitted, shaken
 
 from hamr_gap.hypothesis import Start, refine
 from hamr_gap.legs import machine_of
@@ -54,8 +54,9 @@ def test_nothing_is_led_beside_what_explains_the_record(sticking, monkeypatch):
         sought(*about)
 
 
-def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(rubbing, monkeypatch):
+def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(monkeypatch):
     """Damping at one joint or the other: neither explains the friction, and both costs are smooth."""
+    rubbing = prepare(machine_of("simple", "fl"), shaken("coulomb_friction.presliding", {"level.0": 4e-3, "distance.0": 0.005}))
     starts = [bold(rubbing, Candidate("quadratic_damping", "square", (joint,))) for joint in (0, 1)]
     led, real = [], Weighed.in_pieces
     monkeypatch.setattr(Weighed, "in_pieces", lambda weighed: (led.append(weighed), real(weighed))[1])
