@@ -22,7 +22,7 @@ from .roles import mask
 from .search import Search, noise_floor
 from .searched import searched
 from .stated import Stated, degenerate, poor, stated
-from .unexplained import structural
+from .unexplained import ALONE, structural
 from .verdict import Answer, Verdict
 from .weigh import Weight, credible, weigh
 from .where import where
@@ -74,8 +74,10 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     weights = weigh(state, least)
     evidence = _evidence(prepared, state)
     explained = prepared.base.left - state.best.left
-    named = explained > max(least, SHARE * (prepared.base.left - state.floor)) and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
-    if not named and structural(prepared.weighed, prepared.judged, prepared.base.fit):
+    helped = explained > least and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
+    named = helped and explained > SHARE * (prepared.base.left - state.floor)
+    loud = helped and state.best.left > ALONE**2  # names help, though not enough, and no noise leaves so much
+    if not named and (loud or structural(prepared.weighed, prepared.judged, prepared.base.fit)):
         verdict, best, chosen, beyond = "unknown", state.best, [Weight(None, 1.0, 1.0)], []
     elif not named:
         verdict, best, chosen, beyond = _nothing(prepared), prepared.base, [], []

@@ -102,11 +102,11 @@ def search(
     if state.best.left - noise_floor(weighed, state.best) > state.enough:
         state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
     late = state.best.fit.sensors.shift
-    if not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
+    if state.best.effects and not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
         weighed = weighed.on_time(weighed.model.delay + late)  # what looked like late clocks without the effect
         return search(weighed, judged, without(weighed, judged, state.best, state.best.effects[0]), report, known=known, timed=True)
     best = sorted(state.tried, key=lambda h: h.left)[:LED]
-    led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
+    led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost, default=base)
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
         return search(weighed, judged, led, report, known=known, timed=timed)
     for size in range(2, LARGEST + 1):
