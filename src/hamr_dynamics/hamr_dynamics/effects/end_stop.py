@@ -8,7 +8,7 @@ from .law import Effect, Form, Joint, Parameter, Push
 
 STIFFNESS = Parameter("stiffness", "F/Q", 2.0, 0.0, 1e4, "of the stop")
 #: Close, since a run that hits elsewhere than the machine did leads nowhere; far, since "usual" is the rms of both joints.
-LIMITS = (0.8, 1.2, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6, 2.8, 3.0, 3.2, 3.4, 3.7, 4.0)
+LIMITS = (0.8, 1.2, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6, 2.8, 3.1, 3.5, 4.0)
 LIMIT = Parameter("limit", "Q", 1.5, 0.1, 6.0, "angle from rest at which it begins", shape=True, screen=LIMITS)
 DAMPING = Parameter("damping", "F*T/Q", 0.05, 1e-6, 10.0, "while it pushes", shape=True, screen=(0.05,))
 
