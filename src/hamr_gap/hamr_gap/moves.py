@@ -84,7 +84,7 @@ def pairs_of(
     kept = form.values()
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)), rough=rough)[0]
+    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)), rough=rough)
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
@@ -102,7 +102,7 @@ def beside(
     """
     wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
     found = promising(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted))
-    added, _ = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [best], rough=rough)
+    added = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [best], rough=rough)
     fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in added]
     return [*fitted, *at_both(weighed, judged, fitted)]
 

@@ -43,6 +43,7 @@ class Search:
         weighed: the model that was tried, perhaps better timed than the one the search began with.
         base: the re-tuned model without effects, perhaps better than that one too. seen: the linear picture about it.
         count: judged readings. tried: all hypotheses with effects. floor: mean square that noise alone leaves.
+        rough: whether short pieces led fits of single effects to less.
     """
 
     weighed: Weighed
@@ -51,6 +52,7 @@ class Search:
     count: int
     tried: list[Hypothesis] = field(default_factory=list)
     floor: float = 1.0
+    rough: bool = False
 
     @property
     def best(self) -> Hypothesis:
@@ -97,7 +99,8 @@ def search(
     state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
     alone, wanted = _alone(weighed, base, seen, everything)
-    state.tried, rough = sought(weighed, judged, [*wanted, *known])
+    state.tried = sought(weighed, judged, [*wanted, *known])
+    state.rough = len(state.tried) > len(wanted) + len(known)
     state.tried += at_both(weighed, judged, state.tried)
     if state.best.left - noise_floor(weighed, state.best) > state.enough:
         state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
@@ -106,7 +109,7 @@ def search(
         weighed = weighed.on_time(weighed.model.delay + late)  # what looked like late clocks without the effect
         return search(weighed, judged, without(weighed, judged, state.best, state.best.effects[0]), report, known=known, timed=True)
     best = sorted(state.tried, key=lambda h: h.left)[:LED]
-    led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost, default=base)
+    led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
         return search(weighed, judged, led, report, known=known, timed=timed)
     for size in range(2, LARGEST + 1):
@@ -116,11 +119,11 @@ def search(
             break
         report(f"sets of {size}")
         smaller = state.best_of(size - 1)
-        state.tried += pairs_of(weighed, judged, base.fit, seen, everything, alone, rough=rough) if size == 2 else []
-        state.tried += beside(weighed, judged, smaller, everything, state.best, rough=rough)
+        state.tried += pairs_of(weighed, judged, base.fit, seen, everything, alone, rough=state.rough) if size == 2 else []
+        state.tried += beside(weighed, judged, smaller, everything, state.best, rough=state.rough)
         if state.best.left - state.floor > NEEDED * before:
             break
-        _exchange(weighed, judged, state, everything, smaller, rough=rough)
+        _exchange(weighed, judged, state, everything, smaller)
     state.tried += special_cases(weighed, judged, state.best)
     state.tried += narrowed(weighed, judged, state.best)  # beside a simpler name others may have nothing left to do
     state.tried += as_narrow(weighed, judged, state.tried)
@@ -141,15 +144,13 @@ def _alone(weighed: Weighed, base: Hypothesis, seen: Screen, everything: Sequenc
     return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
 
 
-def _exchange(
-    weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis, *, rough: bool,
-) -> None:  # fmt: skip
+def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:
     """Takes each effect of the best set out in turn and looks for what stands best beside the others, until that changes nothing.
 
     Of a set that explains all there is, each effect is taken out once: others may explain as much.
 
     Args:
-        known: others beside which that has been looked for. rough: as of `sought`.
+        known: others beside which that has been looked for.
     """
     done = {frozenset(known.effects)}
     best = state.best
@@ -158,7 +159,7 @@ def _exchange(
         done.add(rest)
         others = next((h for h in state.tried if frozenset(h.effects) == rest), None)
         others = others or without(weighed, judged, best, untried[0])
-        state.tried += beside(weighed, judged, others, everything, state.best, rough=rough)
+        state.tried += beside(weighed, judged, others, everything, state.best, rough=state.rough)
         best = state.best if best.left - state.floor > state.enough else best
 
 

@@ -24,7 +24,7 @@ GAINS = 0.9  # of the cost of a fit that nothing led
 
 def sought(
     weighed: Weighed, judged: np.ndarray, found: Iterable[Start], known: Iterable[Hypothesis] = (), *, rough: bool = True,
-) -> tuple[list[Hypothesis], bool]:  # fmt: skip
+) -> list[Hypothesis]:  # fmt: skip
     """Fits several sets for good.
 
     Args:
@@ -32,26 +32,25 @@ def sought(
         rough: whether short pieces may lead to more.
 
     Returns:
-        One for each set and one more for each that short pieces led to less; whether there is any of these.
+        One for each set, in their order, and then one more for each that short pieces led to less.
     """
     found = list(found)
     fitted = refined(weighed, judged, found)
     free = rough and fitted and weighed.model.pieces is None
     if not free or any(weighed.missed(h.fit.reading).max() < ROUGH for h in (*fitted, *known)):
-        return fitted, False
+        return fitted
     order = sorted(range(len(found)), key=lambda k: fitted[k].fit.cost)
     led: list[Hypothesis] = []
     for part in (order[:FIRST], order[FIRST:]):
         led += _led(weighed, judged, [found[k] for k in part], [fitted[k] for k in part])
         if not led:
             break
-    return [*fitted, *led], bool(led)
+    return [*fitted, *led]
 
 
 def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Those of some sets that short pieces lead to less."""
-    short = weighed.in_pieces()
-    begun = at_once(lambda start: fit(short, start.free, start.x, steps=STEPS, tolerance=TOLERANCE), found)
+    begun = at_once(lambda start: fit(weighed.in_pieces, start.free, start.x, steps=STEPS, tolerance=TOLERANCE), found)
     least = min((f.cost for f in begun), default=0.0)
     near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
     again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)

@@ -96,7 +96,7 @@ def _led_by_pieces(tuned: Tuned) -> Tuned:
     A run that hits its stops at another time than it did is lost from there on, and fits rest in minima that this makes; pieces do not.
     """
     weighed, found = tuned.weighed, tuned.fit
-    begun = fit(weighed.in_pieces(), found.free, np.zeros(len(found.x)))
+    begun = fit(weighed.in_pieces, found.free, np.zeros(len(found.x)))
     return replace(tuned, fit=min(found, fit(weighed, found.free, begun.x), key=lambda f: f.cost))
 
 

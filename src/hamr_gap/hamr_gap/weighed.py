@@ -85,10 +85,12 @@ class Weighed:
         """Columns of `sensor_columns`."""
         return len(self.biased) + len(self.gains) + 1
 
+    @cached_property
     def in_pieces(self) -> Weighed:
         """The same in short runs, each from a measured start, of what runs freely."""
         length = telling(self.model.machine)
-        model, coarse = (replace(m, piece=length) if m else None for m in (self.model, self.coarse))
+        model = replace(self.model, piece=length)
+        coarse = model if self.coarse is self.model else self.coarse and replace(self.coarse, piece=length)
         return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target), initial=None)
 
     def on_time(self, delay: float) -> Weighed:

@@ -17,7 +17,7 @@ import tyro
 
 from hamr_description.errors import ConfigError, HamrError
 
-from .. import analyse, descent, moves, prepare, roles, search, tune, weigh, weighed
+from .. import analyse, descent, moves, prepare, roles, search, sought, tune, weigh, weighed
 from ..threads import use
 from . import score
 from .cases import path
@@ -49,7 +49,8 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "staircase": ((search, "staircases", lambda *_: {}),),
     "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "FREER", "CONTAINS")),
     "special": ((weigh, "_special", lambda *_: False),),
-    "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False)),
+    "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False), (analyse, "ALONE", float("inf"))),
+    "pieces": ((sought, "FIRST", 0),),
 }
 
 
