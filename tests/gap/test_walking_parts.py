@@ -196,7 +196,7 @@ def test_starts_anew_know_of_the_sensors_errors():
 
 
 @cache
-def far_off() -> tuple[Replay, list, np.ndarray]:
+def far_off(seed: int = 2) -> tuple[Replay, list, np.ndarray]:
     """Segments seen by encoders of 3 mrad, a re-tune's numbers, and those of the robot off by half of what is thought possible."""
     walk, _ = walked()
     angles = walk.angles + np.random.default_rng(3).normal(0, 3e-3, walk.angles.shape)
@@ -204,7 +204,7 @@ def far_off() -> tuple[Replay, list, np.ndarray]:
     replay = Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=12.0, every_ms=80.0))
     free = retune(replay.robot.rest())
     own = np.array([0.5 * f.sd * f.row.startswith("change.") for f in free])
-    return replay, free, own * np.random.default_rng(2).standard_normal(len(free))
+    return replay, free, own * np.random.default_rng(seed).standard_normal(len(free))
 
 
 def test_a_fit_from_far_off_ends_where_one_from_the_truth_does():
@@ -214,13 +214,19 @@ def test_a_fit_from_far_off_ends_where_one_from_the_truth_does():
 
 
 def test_starts_settle_before_a_step_is_judged(monkeypatch):
-    """Contact bends what starts follow: without that, good steps look wrong, and a fit gets less far."""
-    replay, free, far = far_off()
-    begun, cost = start(replay, setting(free, far)).change, {}
-    for rounds in (SETTLING, 0):
-        monkeypatch.setattr(fits, "SETTLING", rounds)
-        cost[rounds] = fit(replay, free, far, (), begun).cost
-    assert cost[SETTLING] < 0.8 * cost[0]
+    """Contact bends what starts follow: without that, good steps look wrong, and two rounds of a fit get less far.
+
+    One beginning says little: contact turns what rounding leaves into other ways down. Six speak together.
+    """
+    gained = []
+    for seed in range(2, 8):
+        replay, free, far = far_off(seed)
+        begun, cost = start(replay, setting(free, far)).change, {}
+        for settling in (SETTLING, 0):
+            monkeypatch.setattr(fits, "SETTLING", settling)
+            cost[settling] = fit(replay, free, far, (), begun, rounds=2).cost
+        gained.append(cost[SETTLING] / cost[0])
+    assert np.exp(np.mean(np.log(gained))) < 0.8
 
 
 def test_runs_that_diverge_say_nothing_and_spoil_nothing(monkeypatch):
