@@ -13,6 +13,7 @@ from hamr_dynamics.machine import linear_machine
 from hamr_gap.fit import Fit, fit
 from hamr_gap.hypothesis import judge, settled
 from hamr_gap.interval import NORMAL_95, intervals
+from hamr_gap.linear import jacobian
 from hamr_gap.model import Model
 from hamr_gap.parameters import Candidate, Free, changes, effect_parameters
 from hamr_gap.record import Record
@@ -50,6 +51,23 @@ def test_what_makes_up_for_each_other_is_known_by_belief_alone():
     low, high = intervals(weighed, found).T
     sure = along != found.x  # the preload
     assert (high - low)[sure] / 2 == pytest.approx(NORMAL_95 * unsure * along[sure], rel=0.05)
+
+
+def test_of_what_diverges_with_the_least_change_the_prior_alone_is_known(monkeypatch):
+    weighed, free, _ = driven(1e-3, 0)
+    found = fit(weighed, free, np.array([f.center for f in free]))
+    usual = intervals(weighed, found)
+
+    def diverging(*about):
+        return np.where(np.arange(len(free) + weighed.sensor_precision.size) == 1, np.inf, jacobian(*about))
+
+    monkeypatch.setattr("hamr_gap.interval.jacobian", diverging)
+    monkeypatch.setattr("hamr_gap.interval._together", lambda *_: np.full(1, np.nan))  # diverges as well
+    low, high = intervals(weighed, found).T
+    assert np.isfinite([low, high]).all()
+    assert (high - low)[1] / 2 == pytest.approx(NORMAL_95 * free[1].sd)
+    assert (high - low)[1] > 10 * np.diff(usual)[1, 0]
+    assert np.all((high - low)[2:] < 1.01 * np.diff(usual)[2:, 0])
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from oscillator import MACHINE, STEP, oscillator
+from scipy.signal import lfilter
 from test_moves import FRICTION, fitted, shaken
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from hamr_dynamics.machine import with_motion
 from hamr_gap import analyse, search
 from hamr_gap.fit import fit
 from hamr_gap.hypothesis import Start, refine
@@ -74,16 +79,33 @@ def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(monkeypat
 
 
 def test_of_two_names_alike_each_is_tried_from_the_others_numbers(monkeypatch):
-    """A lag of some time is nearly a delay of the same."""
+    """A lag of some time is nearly a delay of the same; what is late in the drive may be late in the sensor."""
     late = prepare(machine_of("simple", "fl"), shaken("drive_lag.first_order", {"time.1": 0.4}))
     delay = fitted(late, Candidate("drive_delay", "pade", (1,)))
-    (lag,) = special_cases(late.weighed, late.judged, delay)
-    assert lag.names == frozenset({("drive_lag", (1,))})
+    lag, latency = special_cases(late.weighed, late.judged, delay)
+    assert (lag.names, latency.names) == (frozenset({("drive_lag", (1,))}), frozenset({("sensor_latency", (1,))}))
     assert lag.left < 1.1 < delay.left
     monkeypatch.setattr("hamr_gap.simpler.refined", lambda weighed, judged, wanted: wanted)
-    (start,) = special_cases(late.weighed, late.judged, delay)
-    known, begun = ({f.row: x for f, x in zip(at.free, at.x, strict=True)} for at in (delay.fit, start))
-    assert begun["drive_lag.first_order.time.1"] == known["drive_delay.pade.delay.1"]
+    tried = (delay.fit, *special_cases(late.weighed, late.judged, delay))
+    known, *begun = ({f.row: x for f, x in zip(at.free, at.x, strict=True)} for at in tried)
+    rows = "drive_lag.first_order.time.1", "sensor_latency.pade.delay.1"
+    assert [at[row] for at, row in zip(begun, rows, strict=True)] == [known["drive_delay.pade.delay.1"]] * 2
+
+
+@pytest.mark.parametrize(("channel", "names"), [("", {"drive_delay", "sensor_lag"}), ("_rate", {"drive_delay"})])
+def test_what_is_the_same_is_tried_where_a_sensor_reads_it(channel, names):
+    """A linear joint behind a lag moves as one that is read through it; a gyroscope's own lag is no name."""
+    _, through = oscillator(lambda q, v: 0.0)
+    share = 1.0 - np.exp(-STEP / 8e-3)
+    lagged = lfilter([share], [1.0, share - 1.0], np.gradient(through.readings[:, 0], STEP) if channel else through.readings[:, 0])
+    machine = with_motion(MACHINE)
+    late = prepare(machine, replace(through, readings=lagged[:, None], channels=(f"{MACHINE.channels[0]}{channel}",)))
+    drive = fitted(late, Candidate("drive_lag", "first_order", (0,)))
+    tried = {(c.effect, c.form): h.left for h in special_cases(late.weighed, late.judged, drive) for c in h.effects}
+    assert {name for name, _ in tried} == names
+    assert late.base.left > 3.0 * drive.left
+    if not channel:
+        assert tried["sensor_lag", "first_order"] == pytest.approx(drive.left, rel=0.01)
 
 
 def test_a_stop_at_the_end_of_the_travel_is_seen_there():

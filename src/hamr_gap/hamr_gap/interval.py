@@ -21,13 +21,14 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
 
     Gauss-Newton covariance, the residual's mean square and its correlation time counting as noise: what the model does not explain is
     noise with the colour it has. Parameters that almost make up for each other are moved together by what is unsure of them, for moved
-    one by one their curvature would be taken for knowledge.
+    one by one their curvature would be taken for knowledge. Of what makes the run diverge with the least change only the prior is known.
     """
     left = residual(weighed, found)[weighed.chosen.any(1)]
     inflation = max(1.0, float(np.nanmean(left**2))) * correlation_time(left)
     precision = inflation * np.concatenate([[f.sd**-2.0 for f in found.free], weighed.sensor_precision])
     n = len(found.free)
     derivatives = jacobian(weighed, found.free, found.x, found.run, found.sensors)
+    derivatives[:, ~np.isfinite(derivatives).all(0)] = 0.0
     for _ in range(TURNS if n else 0):
         covariance = inflation * _inverse(derivatives.T @ derivatives + np.diag(precision))[:n, :n]
         if not np.isfinite(moved := _together(weighed, found, covariance)).all():

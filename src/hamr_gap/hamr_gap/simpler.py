@@ -10,6 +10,7 @@ import numpy as np
 from hamr_dynamics.effects.law import Form, Parameter
 from hamr_dynamics.effects.library import library
 
+from .candidates import candidates
 from .hypothesis import Hypothesis, Start, refine, refined
 from .parameters import Candidate, effect_parameters
 from .weighed import Weighed
@@ -52,18 +53,20 @@ def _at_one(c: Candidate) -> list[tuple[Candidate]]:
 
 
 def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis fitted again with a simpler name, in all its forms, in the place of one that contains or mimics it.
+    """A hypothesis fitted again with another name, in all its forms, in the place of one that contains or mimics it, or is the same to
+    some sensors.
 
     Of several effects each is fitted in its own other forms too: singles have been, but others were found beside some one form. So is
     one that couples two joints: it may be a form of its own name at one of them, which a fit from elsewhere has missed.
     """
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
-    wanted = []
+    wanted, possible = [], set(candidates(weighed.model.machine, weighed.model.record))
     for i, c in enumerate(h.effects):
         own = len(h.effects) > 1 or c.law.acts == "pair"
-        names = (*(c.effect,) * own, *library()[c.effect].contains, *library()[c.effect].mimics)
-        for simple in (s for name in names for form in library()[name].forms for s in _within(c, name, form) if s != c):
+        names = (*(c.effect,) * own, *library()[c.effect].contains, *library()[c.effect].mimics, *(library()[c.effect].same_as or ()))
+        forms = ((name, form) for name in names if name in library() for form in library()[name].forms)
+        for simple in (s for name, form in forms for s in _within(c, name, form) if s != c and s in possible):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}
             like = {simple.row(p, place): values.get(_like(c, p, at)) for p in simple.law.parameters for place, at in there.items()}
@@ -82,8 +85,8 @@ def _like(c: Candidate, p: Parameter, place: int) -> str:
 
 
 def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
-    """A form of a simpler name at the joints of another effect; of one that couples two joints, at each by itself as well."""
-    if form.acts == c.law.acts:
+    """A form of another name at the joints of an effect; of one that couples two joints, at each by itself as well."""
+    if form.acts == c.law.acts or {form.acts, c.law.acts} == {"drive", "sense"}:
         return [Candidate(name, form.name, c.joints)]
     return [Candidate(name, form.name, j) for j in (*((j,) for j in c.joints), c.joints)] if c.law.acts == "pair" else []
 

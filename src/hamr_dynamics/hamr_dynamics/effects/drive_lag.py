@@ -25,4 +25,5 @@ EFFECT = Effect(
     experiment="noise or steps beyond the corner frequency: gain falls there, unlike with a delay",
     source="hamr_facts 7, effect 19 (shunt resistor and actuator capacitance)",
     mimics=("drive_delay",),  # below its corner it is one
+    same_as={"sensor_lag": "in open loop while the joint is linear, without a second sensor"},
 )
