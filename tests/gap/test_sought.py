@@ -11,8 +11,10 @@ from scipy.signal import lfilter
 from test_moves import FRICTION, fitted, shaken
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import with_motion
 from hamr_gap import analyse, search
+from hamr_gap.candidates import candidates
 from hamr_gap.fit import fit
 from hamr_gap.hypothesis import Start, refine
 from hamr_gap.legs import machine_of
@@ -90,6 +92,18 @@ def test_of_two_names_alike_each_is_tried_from_the_others_numbers(monkeypatch):
     known, *begun = ({f.row: x for f, x in zip(at.free, at.x, strict=True)} for at in tried)
     rows = "drive_lag.first_order.time.1", "sensor_latency.pade.delay.1"
     assert [at[row] for at, row in zip(begun, rows, strict=True)] == [known["drive_delay.pade.delay.1"]] * 2
+
+
+def test_every_name_that_another_is_taken_for_is_tried_in_its_place_whatever_it_acts_on(sticking, monkeypatch):
+    monkeypatch.setattr("hamr_gap.simpler.refined", lambda weighed, judged, wanted: [start.effects[0].name for start in wanted])
+    base, possible = sticking.base, candidates(sticking.weighed.model.machine, sticking.weighed.model.record)
+    for c in possible:
+        free = effect_parameters((c,), sticking.weighed.model.scales)
+        found = replace(base.fit, free=(*base.fit.free, *free), x=np.append(base.fit.x, [f.center for f in free]))
+        own = library()[c.effect]
+        alike = {(name, c.joints) for name in (*own.contains, *own.mimics, *(own.same_as or ()))}
+        alike &= {some.name for some in possible if some.law.acts != "pair" or c.law.acts == "pair"}  # no law of one joint couples two
+        assert alike <= set(special_cases(sticking.weighed, sticking.judged, replace(base, effects=(c,), fit=found)))
 
 
 @pytest.mark.parametrize(("channel", "names"), [("", {"drive_delay", "sensor_lag"}), ("_rate", {"drive_delay"})])

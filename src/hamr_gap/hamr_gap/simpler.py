@@ -86,7 +86,7 @@ def _like(c: Candidate, p: Parameter, place: int) -> str:
 
 def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
     """A form of another name at the joints of an effect; of one that couples two joints, at each by itself as well."""
-    if form.acts == c.law.acts or {form.acts, c.law.acts} == {"drive", "sense"}:
+    if (form.acts == "pair") == (c.law.acts == "pair"):
         return [Candidate(name, form.name, c.joints)]
     return [Candidate(name, form.name, j) for j in (*((j,) for j in c.joints), c.joints)] if c.law.acts == "pair" else []
 

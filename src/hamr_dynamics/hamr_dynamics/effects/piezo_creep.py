@@ -53,4 +53,5 @@ EFFECT = Effect(
     ),
     experiment="steps held for 1 to 10 s",
     source="hamr_facts 7, effect 12; Jung and Gweon 2000",
+    mimics=("viscoelasticity",),  # below resonance the drive is the spring's force
 )  # fmt: skip

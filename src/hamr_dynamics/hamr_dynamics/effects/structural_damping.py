@@ -49,4 +49,5 @@ EFFECT = Effect(
     ), states=ELEMENTS)),
     experiment="damping measured at several frequencies, by band-wide noise or a slow chirp",
     source="hamr_facts 7, effect 2 (excess damping, b = eta k / omega); generalised Maxwell models; Bagley and Torvik 1983",
+    mimics=("viscoelasticity",),  # over a narrow band
 )  # fmt: skip

@@ -40,4 +40,5 @@ EFFECT = Effect(
     ), states=2)),
     experiment="holds of several relaxation times beside fast motion",
     source="hamr_facts 7, effect 23 (polyimide relaxation); Maxwell elements",
+    mimics=("piezo_creep", "structural_damping"),
 )  # fmt: skip
