@@ -101,7 +101,7 @@ def test_every_name_that_another_is_taken_for_is_tried_in_its_place_whatever_it_
         free = effect_parameters((c,), sticking.weighed.model.scales)
         found = replace(base.fit, free=(*base.fit.free, *free), x=np.append(base.fit.x, [f.center for f in free]))
         own = library()[c.effect]
-        alike = {(name, c.joints) for name in (*own.contains, *own.mimics, *(own.same_as or ()))}
+        alike = {(name, c.joints) for name in (*own.contains, *own.mimics, *own.same_as)}
         alike &= {some.name for some in possible if some.law.acts != "pair" or c.law.acts == "pair"}  # no law of one joint couples two
         assert alike <= set(special_cases(sticking.weighed, sticking.judged, replace(base, effects=(c,), fit=found)))
 

@@ -196,12 +196,17 @@ def test_starts_anew_know_of_the_sensors_errors():
 
 
 @cache
-def far_off(seed: int = 2) -> tuple[Replay, list, np.ndarray]:
-    """Segments seen by encoders of 3 mrad, a re-tune's numbers, and those of the robot off by half of what is thought possible."""
+def seen_coarsely() -> Replay:
+    """Segments seen by encoders of 3 mrad."""
     walk, _ = walked()
     angles = walk.angles + np.random.default_rng(3).normal(0, 3e-3, walk.angles.shape)
     walk = Walk(walk.voltages, angles, STEP, walk.seen, walk.position, walk.quaternion)
-    replay = Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=12.0, every_ms=80.0))
+    return Replay.of(Robot("simple", Numerics(1, 0.1)), segments(walk, length_ms=12.0, every_ms=80.0))
+
+
+def far_off(seed: int = 2) -> tuple[Replay, list, np.ndarray]:
+    """These, a re-tune's numbers, and those of the robot off by half of what is thought possible."""
+    replay = seen_coarsely()
     free = retune(replay.robot.rest())
     own = np.array([0.5 * f.sd * f.row.startswith("change.") for f in free])
     return replay, free, own * np.random.default_rng(seed).standard_normal(len(free))

@@ -1,4 +1,4 @@
-"""Moves of the search that take away: an effect, one of its joints, or what a simpler name does as well."""
+"""Moves of the search that take away or put in the place of: an effect less, at one joint less, or what another name does as well."""
 
 from __future__ import annotations
 
@@ -64,8 +64,9 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
     wanted, possible = [], set(candidates(weighed.model.machine, weighed.model.record))
     for i, c in enumerate(h.effects):
         own = len(h.effects) > 1 or c.law.acts == "pair"
-        names = (*(c.effect,) * own, *library()[c.effect].contains, *library()[c.effect].mimics, *(library()[c.effect].same_as or ()))
-        forms = ((name, form) for name in names if name in library() for form in library()[name].forms)
+        law = library()[c.effect]
+        names = (*(c.effect,) * own, *law.contains, *law.mimics, *(name for name in law.same_as if name in library()))
+        forms = ((name, form) for name in names for form in library()[name].forms)
         for simple in (s for name, form in forms for s in _within(c, name, form) if s != c and s in possible):
             effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
             there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}

@@ -83,5 +83,5 @@ def poor(prepared: Prepared) -> list[str]:
 def degenerate(answers: Sequence[Answer]) -> tuple[str, ...]:
     """What the names of an answer cannot be told from, and when."""
     named = dict.fromkeys(e.effect for answer in answers for e in answer.effects)
-    same = ((name, other, when) for name in named for other, when in (library()[name].same_as or {}).items())
+    same = ((name, other, when) for name in named for other, when in library()[name].same_as.items())
     return tuple(f"{name} is the same as {other} {when}." for name, other, when in same)

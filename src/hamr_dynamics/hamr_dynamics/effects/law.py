@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 #: The parts of a machine in which effects act.
 PARTS = ("actuator", "transmission", "body", "contact", "sensor")
@@ -231,7 +231,7 @@ class Effect:
     source: str
     contains: tuple[str, ...] = ()
     mimics: tuple[str, ...] = ()
-    same_as: Mapping[str, str] | None = None
+    same_as: Mapping[str, str] = field(default_factory=dict)
     needs: tuple[str, ...] = ()
     smooth: bool = True
 

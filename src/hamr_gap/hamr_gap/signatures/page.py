@@ -90,7 +90,7 @@ def _facts(effect: Effect) -> Iterable[tuple[str, str]]:
         yield "can be taken for, beside a re-tune", _links(effect.mimics)
     if inside := [other.name for other in library().values() if effect.name in other.contains]:
         yield "is a special case of", _links(inside)
-    for other, condition in (effect.same_as or {}).items():
+    for other, condition in effect.same_as.items():
         yield f"cannot be told from {_links([other])}", condition
     if effect.needs:
         yield "to be seen it needs", "; ".join(NEEDS[need] for need in effect.needs)
