@@ -86,12 +86,14 @@ def test_both_runs_together_decide_at_least_as_was_said(proposed):
 def test_two_runs_from_rest_with_late_biased_sensors_are_explained_as_well_as_one():
     """Each begins anew: nothing is left over where one ends and the other begins, and the clocks' shift is found."""
     drives = 0.8 * oscillator(friction)[1].drives[:, 0]
-    read = [measured(drives[:n], friction, np.random.default_rng(n), 0.01, late=4) for n in (9001, 6000)]
+    read, clean = ([measured(drives[:n], friction, np.random.default_rng(n), noise, late=4) for n in (9001, 6000)] for noise in (0.01, 0.0))
     records = [replace(record, readings=record.readings + 0.5) for record in read]  # a fifth of the motion
     analysis = analyse(MACHINE, joined(records))
     assert analysis.verdict.verdict == "named"
     assert [e.effect for e in analysis.verdict.set[0].effects] == ["coulomb_friction"]
     best, model = analysis.search.best, analysis.prepared.weighed.model
-    assert best.left < 1.1
+    own = np.concatenate([noisy.readings - without.readings for noisy, without in zip(read, clean, strict=True)])
+    judged = analysis.prepared.judged
+    assert best.left < 1.05 * np.mean((own[judged] / analysis.search.weighed.sigma) ** 2)  # what the noise itself leaves there
     half = 0.05e-3  # s: what is measured is the coordinate half a small step after the drive
     assert model.delay + best.fit.sensors.shift == pytest.approx(0.4e-3 - half, abs=0.02e-3)

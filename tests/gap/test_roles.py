@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,8 +14,13 @@ from hamr_description.errors import BagError
 from hamr_gap.roles import DEAD_S, DEAD_SHARE, SHARES, roles_of
 
 
-def roles(readings: int, *, rest: bool = False) -> dict[str, np.ndarray]:
-    model = SimpleNamespace(target=np.zeros((readings, 2)), reading_step=1.0, pieces=None, record=SimpleNamespace(rest=rest))
+def roles(readings: int, *more: int, rest: bool = False) -> dict[str, np.ndarray]:
+    """Of a run of so many readings, or of several, each from rest or none."""
+    edges = np.cumsum([0, readings, *more])
+    model = SimpleNamespace(
+        target=np.zeros((edges[-1], 2)), reading_step=1.0, pieces=None, record=SimpleNamespace(rest=rest),
+        stretches=list(pairwise(edges.tolist())),
+    )  # fmt: skip
     return vars_of(roles_of(model, 1e-3))
 
 
@@ -51,11 +56,26 @@ def test_what_is_fitted_and_what_selects_lie_all_over_a_run(seconds):
     assert gaps < 0.16 * min(seconds, 12) * 1000
 
 
+def test_each_run_of_some_seconds_serves_every_role():
+    """A second run may show what the first does not: it is fitted, judged, confirmed and reported on as well."""
+    found = roles(12_000, 4000, 30_000, rest=True)
+    for part in (slice(0, 12_000), slice(12_000, 16_000), slice(16_000, None)):
+        shares = np.array([rows[part].sum() for rows in found.values()]) / sum(rows[part].sum() for rows in found.values())
+        assert shares == pytest.approx(list(SHARES.values()), abs=0.03)
+
+
+def test_runs_too_short_for_all_turns_are_dealt_as_one():
+    one, several = roles(12_000, rest=True), roles(11_000, 1000, rest=True)
+    assert all((one[name] == several[name]).all() for name in SHARES)
+
+
 @pytest.mark.parametrize("rest", [True, False])
 def test_roles_lie_where_runs_start_from_what_was_measured(rest):
     """Of three stretches two can be run: each role has its share of these, less what an unknown start needs to be forgotten."""
     pieces = Runs(first=np.array([1000, 6000]), stop=np.array([3000, 8000]))
-    model = SimpleNamespace(target=np.zeros((9000, 1)), reading_step=1.0, pieces=pieces, record=SimpleNamespace(rest=rest))
+    model = SimpleNamespace(
+        target=np.zeros((9000, 1)), reading_step=1.0, pieces=pieces, record=SimpleNamespace(rest=rest), stretches=[(0, 9000)]
+    )
     found = vars_of(roles_of(model, 1e-3))
     served = np.flatnonzero(np.any(list(found.values()), axis=0))
     apart = int(DEAD_SHARE * 9000)

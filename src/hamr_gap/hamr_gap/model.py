@@ -65,12 +65,12 @@ class Model:
                 served[start + 1 : stop - 1] = True
             self.target = np.where(served[:, None], self.target, np.nan)
         else:
-            for start, _ in self._stretches:
+            for start, _ in self.stretches:
                 inner = EDGE if start else 0
                 self.target[max(start - inner, 0) : start + max(inner, self._unseen)] = np.nan
 
     @property
-    def _stretches(self) -> list[tuple[int, int]]:
+    def stretches(self) -> list[tuple[int, int]]:
         """First reading and the one after the last of each stretch."""
         return [(-(-start // self.mean), stop // self.mean) for start, stop in self.record.stretches]
 
@@ -111,7 +111,7 @@ class Model:
     def _free(self, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
         """As `run_rows`, all channels, each stretch from rest; straight on back to readings that show what was before."""
         whole = np.zeros((len(rows), samples, len(self.machine.channels)))
-        for (begin, _), (start, stop) in zip(self.record.stretches, self._stretches, strict=True):
+        for (begin, _), (start, stop) in zip(self.record.stretches, self.stretches, strict=True):
             if (count := min(stop, samples) - start) > self._unseen:
                 read = (start + self._unseen) * self.mean * self.substeps
                 y = self._from_rest(rows, begin * self.substeps, read, count - self._unseen, step)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,6 +19,7 @@ DEAD_SHARE = 0.03
 CYCLE_S = 12.0  # in which each role has its turns
 #: Of one cycle. What is fitted lies all over it, or a part that is driven in another way would be judged and never fitted.
 CYCLE = ("fit", "select", "fit", "report", "fit", "select", "fit", "calibrate", "fit", "select", "fit", "report", "fit")
+OWN_S = 4.0  # a run of as much has turns of its own: of two, the second may show what the first does not
 FEWEST = 80  # readings that serve at all
 TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces, shuffled anew each time
 FRESH = 0.2  # of a piece: dead time enough where all starts anew
@@ -41,23 +43,43 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
     Raises:
         BagError: too short to be divided.
     """
-    n = len(model.target)
-    dead = int(min(DEAD_S / seconds_per_t / model.reading_step, DEAD_SHARE * n))
+    n, second = len(model.target), 1.0 / seconds_per_t / model.reading_step
+    dead = _dead(n, second)
     if model.pieces is not None and len(model.pieces) >= len(TURNS):
         return _by_piece(model.pieces, n, dead)
-    there = np.flatnonzero(_telling(model, dead))
-    turns = CYCLE * max(1, round(n * model.reading_step * seconds_per_t / CYCLE_S))
+    there, roles = _telling(model, dead), {name: np.zeros(n, bool) for name in SHARES}
+    for start, stop in _runs(model, there, OWN_S * second):
+        turns = CYCLE * max(1, round((stop - start) / second / CYCLE_S))
+        _deal(start + np.flatnonzero(there[start:stop]), turns, _dead(stop - start, second), roles)
+    return Roles(**roles)
+
+
+def _dead(readings: int, second: float) -> int:
+    """Dead time between the roles of a run, as readings; `second` is how many one has."""
+    return int(min(DEAD_S * second, DEAD_SHARE * readings))
+
+
+def _runs(model: Model, there: np.ndarray, least: float) -> list[tuple[int, int]]:
+    """Parts of a record that have turns of their own: its stretches, if in each `least` readings serve; else the whole."""
+    runs = model.stretches
+    return runs if all(there[start:stop].sum() >= least for start, stop in runs) else [(0, len(there))]
+
+
+def _deal(there: np.ndarray, turns: Sequence[str], dead: int, roles: dict[str, np.ndarray]) -> None:
+    """Marks the readings `there` (m,) in the roles that have their turns, in their shares.
+
+    Raises:
+        BagError: too few of them.
+    """
     useful = len(there) - dead * sum(a != b for a, b in pairwise(turns))
     if useful < FEWEST:
-        raise BagError(f"The record has {n} readings: too few to fit on some and judge on others; record longer.")
-    roles = {name: np.zeros(n, bool) for name in SHARES}
+        raise BagError(f"A run has {len(there)} readings that serve: too few to fit on some and judge on others; record longer.")
     at, before = 0.0, turns[0]
     for name in turns:
         at += dead * (name != before)
         end = at + SHARES[name] * useful / turns.count(name)
         roles[name][there[round(at) : round(end)]] = True
         at, before = end, name
-    return Roles(**roles)
 
 
 def _telling(model: Model, dead: int) -> np.ndarray:
