@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hamr_gap.blocks import better, foreseen
 from hamr_gap.hypothesis import Hypothesis
 from hamr_gap.parameters import Candidate
 from hamr_gap.search import Search
@@ -36,6 +37,16 @@ def weights(spread: float = 0.01, numbers: dict[str, int] | None = None, **left:
 
 FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic",
          "configuration_dependent_stiffness": "oblique"}  # fmt: skip
+
+
+@pytest.mark.parametrize("left", [np.full(24, 0.02), np.r_[np.zeros(18), np.full(6, 0.2)], np.full(24, 3.0)])
+def test_what_is_seen_throughout_is_foreseen(left):
+    """t over blocks, as noise in the readings makes it: the mean of many tries."""
+    random, count = np.random.default_rng(4), 400
+    noise = random.standard_normal((300, 24, count))
+    worse = (noise + np.sqrt(left)[:, None] * np.sign(random.standard_normal(count))) ** 2
+    seen = [better(w, b) for w, b in zip(worse.mean(2), (noise**2).mean(2), strict=True)]
+    assert foreseen(left, np.full(24, count)) == pytest.approx(np.median(seen), rel=0.15)
 
 
 def first(found: dict[str, float]) -> str:

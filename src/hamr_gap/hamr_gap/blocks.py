@@ -19,3 +19,12 @@ def better(worse: Iterable[float], best: Iterable[float]) -> float:
     d = np.tanh(0.5 * np.log(np.asarray(worse) / np.asarray(best)))
     spread = d.std(ddof=1) / np.sqrt(len(d))
     return float(d.mean() / spread) if spread > 0 else 0.0
+
+
+def foreseen(squares: Iterable[float], counts: Iterable[float]) -> float:
+    """t of `better` to be expected of a hypothesis that leaves squares (b,) beyond the noise, in its units, over so many readings (b,)."""
+    left, n = np.asarray(squares, float), np.asarray(counts, float)
+    d = left / (2.0 + left)
+    chance = 8.0 * left / n / (2.0 + left) ** 3  # variance that noise gives each, to first order
+    spread = np.sqrt((d.var(ddof=1) + chance.mean()) / len(d))
+    return float(d.mean() / spread) if spread > 0 else 0.0

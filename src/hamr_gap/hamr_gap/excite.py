@@ -6,13 +6,14 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
-#: Shares of the largest drive that noise has as rms.
-LEVELS = {"gentle": 0.15, "strong": 0.45}
+#: Shares of the largest drive that noise has as rms, and its band, in the machine's own pace. Beside its resonance a machine can be
+#: driven harder before it moves too far, and delays and lags show most where all is fast.
+NOISES = {"gentle noise": (0.15, 0.0, 2.0), "strong noise": (0.45, 0.0, 2.0), "fast noise": (0.45, 1.3, 3.0)}
 PARTS = ("slow triangles", "gentle noise", "strong noise", "chirp")
 
 
 def signals(machine: Machine, step: float, count: int, seed: int = 0) -> dict[str, np.ndarray]:
-    """Name -> (count, joints) signal, of slow triangles, white noise at two levels, a chirp, steps that hold, and a bit of each.
+    """Name -> (count, joints) signal, of slow triangles, noise at two levels and a fast one, a chirp, steps that hold, and a bit of each.
 
     Args:
         step: T between samples. seed: of the noise and the steps.
@@ -36,10 +37,13 @@ def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str,
     t = np.arange(count)[:, None] * step * pace  # in periods of the machine
     phase = np.arange(n) / (2.0 * n)
     random = np.random.default_rng(seed)
-    white = random.standard_normal((count // 2 + 1, n, 2))
-    white[np.fft.rfftfreq(count, step) > 2.0 * pace] = 0.0
-    noise = np.fft.irfft(white[..., 0] + 1j * white[..., 1], count, axis=0)
-    noise /= noise.std(axis=0)
+    white = random.standard_normal((count // 2 + 1, n, 2)) @ (1.0, 1j)
+    rates = np.fft.rfftfreq(count, step) / pace
+
+    def noise(level: float, slowest: float, fastest: float) -> np.ndarray:
+        x = np.fft.irfft(white * ((slowest <= rates) & (rates <= fastest))[:, None], count, axis=0)
+        return np.clip(level * x / x.std(axis=0), -1.0, 1.0)
+
     span = t[-1, 0] + 1e-9
     low, high = 0.05, 2.0
     sweep = span * low / np.log(high / low) * ((high / low) ** (t / span) - 1.0)
@@ -47,7 +51,7 @@ def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str,
     levels = random.uniform(-1.0, 1.0, (int(span / hold) + 1, n))
     return {
         "slow triangles": 4.0 * np.abs(np.mod(t / 40.0 + phase + 0.25, 1.0) - 0.5) - 1.0,
-        **{f"{name} noise": np.clip(level * noise, -1.0, 1.0) for name, level in LEVELS.items()},
+        **{name: noise(*kind) for name, kind in NOISES.items()},
         "chirp": 0.6 * np.sin(2.0 * np.pi * (sweep + phase)),
         "steps that hold": levels[np.minimum((t[:, 0] / hold).astype(int), len(levels) - 1)],
     }

@@ -1,41 +1,30 @@
-"""What would decide between two names: the drive signal under which each, refitted, explains the other least.
+"""What would decide between names: the drive signal that each explains least, refitted to the record and the run, where another is right.
 
-Both fitted rivals are simulated under every signal of `excite`. What a refit of one to the other would still do is projected out
-linearly. What is left is put beside what the record has shown already, and weighed as the verdict on both runs will weigh it: laws of
-one name differ, so a run must show more than its noise would ask for.
+Signals of `excite` are looked at linearly first, and the shortest run that seems to decide is looked at in earnest (`apart`): one that
+does not is made longer, or another is taken. What it shows is weighed as the verdict on both runs will weigh it: laws of one name differ,
+so a run must show more than its noise would ask for, and throughout.
 """
 
 from __future__ import annotations
 
+import heapq
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 
+from .apart import Apart, Follower, after, within
+from .blocks import THROUGHOUT
 from .excite import signals
-from .fit import Fit
 from .hypothesis import Hypothesis
-from .linear import jacobian
-from .model import Model
 from .prepare import Prepared
-from .sensors import Sensors
-from .weigh import COVERAGE, SHARPNESS, least_told
+from .weigh import COVERAGE, FLOOR_ERROR, SHARPNESS, least_told
 
-TRIED_S = 4.0  # of each signal
-DECISIVE = 2.0 * np.log(COVERAGE / (1.0 - COVERAGE))  # log odds that the run must add, whichever name is right and however likely now
-LENGTHS_S = np.geomspace(4.0, 120.0, 16)  # a record needs 4 s to be divided
-SMALLER = 8  # times, at most
-
-
-@dataclass(frozen=True)
-class Shown:
-    """What a signal shows of an effect: mean squares of readings, in units of their noise.
-
-    Attributes:
-        signature: beyond what a re-tune can do. apart: beyond what the rival can do.
-    """
-
-    signature: float
-    apart: float
+TRIED_S = 4.0  # of each signal, at first
+DECISIVE = 2.0 * np.log(COVERAGE / (1.0 - COVERAGE))  # log odds that both runs must make, whichever name is right and however likely now
+SURELY = THROUGHOUT + 1.0  # t over blocks to be expected, for it to be above `THROUGHOUT` in most runs
+LENGTHS_S = np.geomspace(4.0, 60.0, 8)  # a record needs 4 s to be divided
 
 
 @dataclass(frozen=True)
@@ -43,20 +32,23 @@ class Proposal:
     """An experiment.
 
     Attributes:
-        signal: name; empty if none decides. seconds: that decide. odds: name -> log odds that the longest run adds at least.
-        d_prime: name -> distance of the rivals after a refit in `TRIED_S`, in units of the noise.
+        names: how many of the names, from the first on, it decides between. signal: name; empty if none decides. seconds: that decide.
+        odds: signal -> log odds that it is foreseen to make in the longest time, for any of the names. d_prime: signal -> distance of the
+            nearest two, in units of the noise, in `TRIED_S`; both linearly, of those not looked at in earnest.
         drives: (n, joints) U, deviations about neutral, at the record's step.
     """
 
+    names: int
     signal: str
     seconds: float
     odds: dict[str, float]
     d_prime: dict[str, float]
     drives: np.ndarray
 
-    def as_dict(self, rivals: tuple[str, str]) -> dict:
+    def as_dict(self, rivals: Sequence[str]) -> dict:
         """As in `verdict.json`."""
-        between = f"between {rivals[0]} and {rivals[1]}"
+        rivals = rivals[: self.names]
+        between = f"between {', '.join(rivals[:-1])} and {rivals[-1]}"
         sentence = (
             f"{self.signal} for {self.seconds:.0f} s would decide {between}." if self.signal
             else f"no drive signal within the limits decides {between} with these sensors; "
@@ -68,91 +60,118 @@ class Proposal:
         }  # fmt: skip
 
 
-def propose(prepared: Prepared, first: Hypothesis, second: Hypothesis, *, floor: float, seed: int = 0) -> Proposal:
-    """The shortest experiment between two fitted hypotheses, within the largest drives and the widest motion that were measured.
+def propose(prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], *, floor: float, seed: int = 0) -> Proposal:
+    """The shortest experiment between fitted names, as many of them as one decides, within the drives and the motion that were measured.
 
     Args:
+        rivals: two names or more, each as the forms that do about as well, the best first.
         floor: mean square that noise leaves, as `weigh.floor_of` takes it. seed: of noise in the signals.
     """
-    model = prepared.weighed.model
-    machine, record = model.machine, model.record
-    step = record.step / record.drives_per_reading
-    limit = np.abs(record.drives).max(axis=0)
-    ways = ((first, second), (second, first))
-    known = max(min(first.left, second.left) - floor, 0.0)
-    odds, d_prime = {}, {}
-    for name, shape in signals(machine, step, _samples(prepared, TRIED_S), seed).items():
-        driven = _driven(model, _within(model, limit * shape, first, second))
-        shown = [_shown(driven, prepared, *pair) for pair in ways]
-        odds[name] = np.min([_odds(prepared, floor, known, s) for s in shown], axis=0)
-        d_prime[name] = float(np.sqrt(min(s.apart for s in shown) * driven.target.size))
-    enough = {name: int(np.argmax(x >= DECISIVE)) for name, x in odds.items() if x.max() >= DECISIVE}
-    said = {name: float(x[-1]) for name, x in odds.items()}
-    if not enough:
-        return Proposal("", 0.0, said, d_prime, np.empty((0, len(machine.joints))))
-    best = min(enough, key=lambda name: (enough[name], -odds[name][enough[name]]))
-    seconds = float(LENGTHS_S[enough[best]])
-    drives = _within(model, limit * signals(machine, step, _samples(prepared, seconds), seed)[best], first, second)
-    return Proposal(best, seconds, said, d_prime, drives)
-
-
-def _samples(prepared: Prepared, seconds: float) -> int:
-    model = prepared.weighed.model
-    per = model.record.drives_per_reading
-    return int(seconds / model.machine.to_si["T"] / model.record.step) * per
-
-
-def _driven(model: Model, drives: np.ndarray) -> Model:
-    record = model.record
-    readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
-    return replace(model, record=replace(record, drives=drives, readings=readings, rest=True, breaks=(), held=False))
-
-
-def _within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
-    """Drives, smaller where a rival would go further than was measured: into end stops, where nothing can be predicted."""
-    reach = np.nanmax(np.abs(model.target), axis=0)
-    for _ in range(SMALLER):
-        driven = _driven(model, drives)
-        runs = [driven.runs(h.fit.free, h.fit.x)[0] for h in rivals]
-        with np.errstate(invalid="ignore"):
-            over = max(float(np.max(np.abs(y) / reach)) if np.isfinite(y).all() else 2.0 for y in runs)
-        if over <= 1.0:
+    for count in range(len(rivals), 1, -1):
+        proposal = _Choice(prepared, rivals[:count], floor, seed).shortest()
+        if proposal.signal:
             break
-        drives = drives / over
-    return drives
+    return proposal
 
 
-def _shown(model: Model, prepared: Prepared, right: Hypothesis, wrong: Hypothesis) -> Shown:
-    """What a model's drives show if one of two hypotheses is right; a rival that diverges under them shows nothing."""
-    truth = model.runs(right.fit.free, right.fit.x)[0]
-    return Shown(*(_beyond(model, prepared, truth, other.fit) for other in (prepared.base, wrong)))
+@dataclass(frozen=True)
+class _Pair:
+    """One of two names taken for right: what it would read, (n, channels), what a re-tune leaves of that, and what the other does."""
+
+    truth: np.ndarray
+    retuned: Apart
+    forms: Sequence[Follower]
+    apart: Apart
+
+    def in_earnest(self) -> _Pair:
+        return replace(self, apart=_least(form.refitted(self.truth) for form in self.forms))
 
 
-def _beyond(model: Model, prepared: Prepared, truth: np.ndarray, found: Fit) -> float:
-    """Mean square, in units of the noise, of what a refit of a model does not follow of readings (n, channels)."""
-    run = model.runs(found.free, found.x)[0]
-    weighed = replace(prepared.weighed, model=model, chosen=np.ones_like(truth, bool), initial=None)
-    columns = jacobian(weighed, found.free, found.x, run, Sensors.none(truth.shape[1]))
-    ridge = np.zeros(columns.shape[1])
-    ridge[: len(found.free)] = [1.0 / f.sd for f in found.free]
-    apart = np.r_[weighed.vector(truth - run), np.zeros(len(ridge))]
-    matrix = np.vstack([columns, np.diag(ridge)])
-    if not (np.isfinite(matrix).all() and np.isfinite(apart).all()):
-        return 0.0
-    left = apart - matrix @ np.linalg.lstsq(matrix, apart, rcond=None)[0]
-    return float(np.mean(left[: truth.size] ** 2))
+class _Choice:
+    """The choice of a signal that decides between all of some names."""
+
+    def __init__(self, prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], floor: float, seed: int) -> None:
+        model = prepared.weighed.model
+        self._prepared, self._rivals, self._seed, self._second = prepared, rivals, seed, 1.0 / model.machine.to_si["T"]
+        self._own = model.record.span / self._second  # s
+        self._before = max(prepared.base.left - floor, 1e-12)
+        self._known = max(min(forms[0].left for forms in rivals) - floor, 0.0)
+        chance = 2.0 * np.sqrt(2.0 / prepared.judged.sum())  # two standard deviations of a mean square of noise
+        self._law = max(self._known - chance, 0.0) / self._before
+
+    def shortest(self) -> Proposal:
+        """The shortest run of all signals that decides, the more decided of two as short."""
+        odds, d_prime, waiting = {}, {}, []
+        for name in self._shapes(TRIED_S):
+            drives, pairs = self._look(name, TRIED_S)
+            d_prime[name] = float(np.sqrt(min(p.apart.run for p in pairs) * len(pairs[0].truth) * self._new(TRIED_S)))
+            odds[name] = self._wait(waiting, name, pairs, 0.0)
+        while waiting:
+            seconds, _, name = heapq.heappop(waiting)
+            drives, pairs = self._look(name, seconds)
+            seen = []
+            for pair in sorted(pairs, key=lambda pair: self._odds(pair, seconds)):
+                seen.append(pair.in_earnest())
+                if self._odds(seen[-1], seconds, surely=True) < DECISIVE:
+                    odds[name] = min(odds[name], self._wait(waiting, name, seen, seconds))
+                    break
+            else:
+                return Proposal(len(self._rivals), name, seconds, odds, d_prime, drives)
+        return Proposal(len(self._rivals), "", 0.0, odds, d_prime, np.empty((0, len(self._prepared.weighed.model.machine.joints))))
+
+    def _wait(self, waiting: list, name: str, pairs: Sequence[_Pair], tried: float) -> float:
+        """Puts a signal among those waiting to be looked at, with the shortest length beyond one tried that seems to decide.
+
+        Returns the log odds for the longest.
+        """
+        for seconds in LENGTHS_S[tried < LENGTHS_S]:
+            if (odds := min(self._odds(pair, seconds) for pair in pairs)) >= DECISIVE:
+                heapq.heappush(waiting, (float(seconds), -odds, name))
+                break
+        return min(self._odds(pair, LENGTHS_S[-1]) for pair in pairs)
+
+    def _shapes(self, seconds: float) -> dict[str, np.ndarray]:
+        """Name -> (n, joints) signal, of 1 at most, as long."""
+        model = self._prepared.weighed.model
+        per = model.record.drives_per_reading
+        count = int(seconds * self._second / model.record.step) * per
+        return signals(model.machine, model.record.step / per, count, self._seed)
+
+    def _look(self, name: str, seconds: float) -> tuple[np.ndarray, list[_Pair]]:
+        """The drives of a signal, and what it shows of every two names, linearly."""
+        prepared, model = self._prepared, self._prepared.weighed.model
+        limit = np.abs(model.record.drives).max(axis=0)
+        drives = within(model, limit * self._shapes(seconds)[name], *(forms[0] for forms in self._rivals))
+        weighed = after(prepared, drives)
+        own = len(weighed.model.target) - len(drives) // model.record.drives_per_reading // model.mean
+        base = Follower(weighed, own, prepared.base)
+        followers = [[Follower(weighed, own, h) for h in forms] for forms in self._rivals]
+        return drives, [
+            _Pair(truth, base.foreseen(truth), wrong, _least(form.foreseen(truth) for form in wrong))
+            for (right, wrong) in permutations(followers, 2) for truth in (right[0].run,)
+        ]  # fmt: skip
+
+    def _odds(self, pair: _Pair, seconds: float, *, surely: bool = False) -> float:
+        """Log odds for the right one of two names that the record and such a run of some seconds make together.
+
+        What the right one leaves of the record, as a share of the gap and beyond chance, its law leaves of the run.
+
+        Args:
+            surely: less the error of the noise, where the other name would not be seen to be worse throughout.
+        """
+        share, apart = self._new(seconds), pair.apart
+        gap = (1.0 - share) * self._before + share * pair.retuned.run
+        law = (1.0 - share) * self._known + share * self._law * pair.retuned.run
+        rival = (1.0 - share) * apart.record + share * apart.run
+        if surely and apart.throughout < SURELY:
+            rival = max(0.0, rival - FLOOR_ERROR)
+        least = least_told(gap, self._prepared.judged.sum() / (1.0 - share))
+        return float(SHARPNESS * np.log(((law + rival) / gap + least) / (law / gap + least)))
+
+    def _new(self, seconds: float) -> float:
+        """Share of a run of some seconds in all that is measured then."""
+        return seconds / (self._own + seconds)
 
 
-def _odds(prepared: Prepared, floor: float, known: float, shown: Shown) -> np.ndarray:
-    """(lengths,) log odds for the right one of two names that the record and runs of `LENGTHS_S` make together.
-
-    Args:
-        known: mean square above the floor that either leaves of the record; the right one's law leaves the same share of new runs.
-    """
-    model = prepared.weighed.model
-    share = LENGTHS_S / (model.record.span * model.machine.to_si["T"] + LENGTHS_S)
-    before = max(prepared.base.left - floor, 1e-12)
-    law = known / before * shown.signature
-    gap, left, rival = ((1.0 - share) * a + share * b for a, b in ((before, shown.signature), (known, law), (known, law + shown.apart)))
-    least = least_told(gap, prepared.judged.sum() / (1.0 - share))
-    return SHARPNESS * np.log((rival / gap + least) / (left / gap + least))
+def _least(found: Iterable[Apart]) -> Apart:
+    return min(found, key=lambda apart: apart.record + apart.run)

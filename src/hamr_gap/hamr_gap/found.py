@@ -135,19 +135,17 @@ def _answer(analysis: Analysis, weight: Weight) -> dict:
 
 
 def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | None:
-    """What would decide between the first two names, as in `verdict.json`, and its drives (m, joints).
+    """What would decide between the names of the set, as in `verdict.json`, and its drives (m, joints).
 
     None if there is one name, or if nothing drives the machine.
     """
-    model = analysis.prepared.weighed.model
-    joints = model.machine.joints
-    rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None][:2]
+    model, state = analysis.prepared.weighed.model, analysis.search
+    rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None]
     if len(rivals) < 2 or not model.record.driven.any():
         return None
-    floor = floor_of(analysis.search.floor, analysis.search.by_names().values())
-    proposal = propose(analysis.prepared, *rivals, floor=floor, seed=seed)
-    first, second = (in_words(h.effects, joints) for h in rivals)
-    return proposal.as_dict((first, second)), proposal.drives
+    floor = floor_of(state.floor, state.by_names().values())
+    proposal = propose(analysis.prepared, [state.forms_of(h) for h in rivals], floor=floor, seed=seed)
+    return proposal.as_dict([in_words(h.effects, model.machine.joints) for h in rivals]), proposal.drives
 
 
 def _tried(analysis: Analysis) -> list[dict]:

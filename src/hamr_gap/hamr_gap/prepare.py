@@ -19,6 +19,8 @@ from .weighed import Weighed
 
 FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
+SMALL = 0.1  # of what the re-tune leaves beyond the noise: the same, or it would pass for some of what is missing
+FAINT = 0.5  # of the noise of a reading: less than that is left by chance
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     tuned = tune(machine, record, noise, whole=whole)
     weighed, found, roles = tuned.weighed, tuned.fit, tuned.roles
     model, substeps = weighed.model, weighed.model.substeps
-    while (numerical := _moves(weighed, found)) > ENOUGH and substeps * 2 <= FINEST:
+    while (numerical := _moves(weighed, found)) > _enough(weighed, found) and substeps * 2 <= FINEST:
         substeps *= 2
         model = replace(model, substeps=substeps)
         weighed = replace(weighed, model=model)
@@ -89,6 +91,12 @@ def _check(machine: Machine, record: Record) -> None:
 def _gaps(x: np.ndarray, part: np.ndarray) -> np.ndarray:
     """Readings of a role, with NaN elsewhere, so that differences do not bridge its breaks."""
     return np.where(part[:, None], x, np.nan)
+
+
+def _enough(weighed: Weighed, found: Fit) -> float:
+    """What halving the step may move, in units of a sample's noise."""
+    beyond = np.sqrt(max(float(np.mean(weighed.missed(found.reading) ** 2)) - 1.0, FAINT**2) / weighed.model.mean)
+    return min(ENOUGH, SMALL * beyond)
 
 
 def _moves(weighed: Weighed, found: Fit) -> float:

@@ -1,0 +1,113 @@
+"""How far apart fitted hypotheses are under other drives, beside the record that they were fitted to.
+
+One of two is taken for right: what it would read, of the record and of a run under other drives after it, without noise. What a refit of
+the other to both runs leaves of that is what the run shows. Linearly that is done in a moment, but a relaxing spring that takes the part
+of a creeping drive goes a long way for it, and then the linear picture shows them much further apart than they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .blocks import foreseen
+from .fit import fit
+from .hypothesis import BLOCKS, Hypothesis
+from .linear import jacobian
+from .model import Model
+from .prepare import Prepared
+from .record import Record, joined
+from .roles import SHARES
+from .sensors import Sensors
+from .weighed import Weighed
+
+WITHIN = 0.9  # of the widest motion that was measured: no forecast is so good that an end stop further out is safe
+SMALLER = 8  # times, at most
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What a refit leaves: mean squares of readings in units of their noise, of the record and of the run after it.
+
+    Attributes:
+        record: zero where the run stands for itself. run. throughout: t by which that is seen in block after block of all readings judged.
+    """
+
+    record: float
+    run: float
+    throughout: float = 0.0
+
+
+def after(prepared: Prepared, drives: np.ndarray) -> Weighed:
+    """A record and, after it, a run from rest under drives (n, joints); that run alone if the record is not from rest, or in pieces.
+
+    All readings count, and are zero where there was no sensor yet.
+    """
+    model, own = prepared.weighed.model, prepared.weighed.model.record
+    alone = model.pieces is not None or not own.rest
+    record = _run(own, drives) if alone else joined([own, _run(own, drives)])
+    both = replace(model, record=record)
+    coarse = prepared.weighed.coarse and replace(prepared.weighed.coarse, record=record)
+    return replace(prepared.weighed, model=both, coarse=coarse, chosen=np.isfinite(both.target), initial=None)
+
+
+def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
+    """Drives (n, joints), smaller where a rival would go further than was measured: into end stops, where nothing can be predicted."""
+    reach = WITHIN * np.nanmax(np.abs(model.target), axis=0)
+    for _ in range(SMALLER):
+        run = replace(model, record=_run(model.record, drives))
+        moved = [run.runs(h.fit.free, h.fit.x)[0] for h in rivals]
+        with np.errstate(invalid="ignore"):
+            over = max(float(np.max(np.abs(y) / reach)) if np.isfinite(y).all() else 2.0 for y in moved)
+        if over <= 1.0:
+            break
+        drives = drives / over
+    return drives
+
+
+def _run(record: Record, drives: np.ndarray) -> Record:
+    readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
+    return replace(record, drives=drives, readings=readings, rest=True, breaks=(), uneven=0.0)
+
+
+class Follower:
+    """A hypothesis that follows what another one would have read, as well as its parameters and the sensors' let it.
+
+    Attributes:
+        run: (n, channels) that it would have read itself.
+    """
+
+    def __init__(self, weighed: Weighed, own: int, h: Hypothesis) -> None:
+        """Of a hypothesis in `weighed`, whose first `own` readings are those of the record."""
+        self._weighed, self._own, self._h = weighed, own, h
+        self.run = weighed.model.runs(h.fit.free, h.fit.x)[0]
+        columns = jacobian(weighed, h.fit.free, h.fit.x, self.run, Sensors.none(self.run.shape[1]))
+        prior = np.zeros(columns.shape[1])
+        prior[: len(h.fit.free)] = [1.0 / f.sd for f in h.fit.free]
+        matrix = np.vstack([columns, np.diag(prior)])
+        self._basis = np.linalg.qr(matrix)[0] if np.isfinite(matrix).all() else None
+
+    def foreseen(self, truth: np.ndarray) -> Apart:
+        """What would be left of readings (n, channels), if all were linear; nothing of a hypothesis that diverges, or of what does."""
+        off = self._weighed.vector(truth - self.run)
+        if self._basis is None or not np.isfinite(off).all():
+            return Apart(0.0, 0.0)
+        left = off - (self._basis @ (self._basis[: len(off)].T @ off))[: len(off)]
+        return self._of(left)
+
+    def refitted(self, truth: np.ndarray) -> Apart:
+        """What is left of readings (n, channels) after a refit."""
+        model = replace(self._weighed.model)
+        model.target = np.where(np.isfinite(model.target), truth, np.nan)
+        weighed = replace(self._weighed, model=model)
+        return self._of(weighed.vector(model.target - fit(weighed, self._h.fit.free, self._h.fit.x).reading))
+
+    def _of(self, left: np.ndarray) -> Apart:
+        square = np.full(self._weighed.chosen.shape, np.nan)
+        square[self._weighed.chosen] = left**2
+        record, run = square[: self._own], square[self._own :]
+        means = [float(np.nanmean(part)) if np.isfinite(part).any() else 0.0 for part in (record, run)]
+        blocks = [part[np.isfinite(part)] for part in np.array_split(square, BLOCKS)]
+        told = [(block.mean(), SHARES["select"] * block.size) for block in blocks if block.size]
+        return Apart(*means, throughout=foreseen(*zip(*told, strict=True)))
