@@ -11,7 +11,7 @@ from oscillator import MACHINE, STEP, measured, oscillator
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.analyse import analyse
-from hamr_gap.apart import WITHIN, Follower, after
+from hamr_gap.apart import WITHIN, Follower, after, asked
 from hamr_gap.excite import signals
 from hamr_gap.experiment import DECISIVE, Proposal, propose
 from hamr_gap.hypothesis import Hypothesis, refine, residual, starts
@@ -102,7 +102,7 @@ def test_both_runs_together_decide_as_was_said(proposed):
 @pytest.mark.parametrize("right", [0, 1])
 def test_what_is_foreseen_linearly_is_what_a_refit_leaves_where_names_differ_little(proposed, right):
     _, prepared, fits, proposal = proposed
-    weighed = after(prepared, proposal.drives)
+    weighed = after(prepared, asked(prepared.weighed.model.record, proposal.drives))
     own = len(weighed.model.target) - len(proposal.drives)
     both = [Follower(weighed, own, h) for h in fits]
     foreseen, refitted = (getattr(both[1 - right], way)(both[right].run) for way in ("foreseen", "refitted"))
@@ -113,7 +113,7 @@ def test_what_is_foreseen_linearly_is_what_a_refit_leaves_where_names_differ_lit
 def test_what_a_run_shows_is_what_neither_parameters_nor_sensors_follow(proposed):
     """A bias follows readings that are higher all the time; nothing follows what changes sign from one to the next."""
     _, prepared, fits, _ = proposed
-    weighed = after(prepared, np.zeros((4000, 1)))
+    weighed = after(prepared, asked(prepared.weighed.model.record, np.zeros((4000, 1))))
     own = len(weighed.model.target) - 4000
     follower = Follower(weighed, own, fits[0])
     alternating = np.r_[np.zeros(own), np.tile([1.0, -1.0], 2000)][:, None] * weighed.sigma

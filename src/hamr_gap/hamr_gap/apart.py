@@ -8,10 +8,12 @@ of a creeping drive goes a long way for it, and then the linear picture shows th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from .blocks import foreseen
+from .corrected import Corrected
 from .fit import fit
 from .hypothesis import BLOCKS, Hypothesis
 from .linear import jacobian
@@ -23,6 +25,7 @@ from .sensors import Sensors
 from .weighed import Weighed
 
 WITHIN = 0.9  # of the widest motion that was measured: no forecast is so good that an end stop further out is safe
+NEAR = 0.01  # of what is left: a refit need not be better known
 SMALLER = 8  # times, at most
 
 
@@ -39,14 +42,17 @@ class Apart:
     throughout: float = 0.0
 
 
-def after(prepared: Prepared, drives: np.ndarray) -> Weighed:
-    """A record and, after it, a run from rest under drives (n, joints); that run alone if the record is not from rest, or in pieces.
+def asked(record: Record, drives: np.ndarray) -> Record:
+    """A run from rest of the same machine under drives (n, joints); its readings, which nobody knows yet, are zero."""
+    readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
+    return replace(record, drives=drives, readings=readings, rest=True, breaks=(), uneven=0.0)
 
-    All readings count, and are zero where there was no sensor yet.
-    """
-    model, own = prepared.weighed.model, prepared.weighed.model.record
-    alone = model.pieces is not None or not own.rest
-    record = _run(own, drives) if alone else joined([own, _run(own, drives)])
+
+def after(prepared: Prepared, run: Record) -> Weighed:
+    """A record and a run after it, of which all readings count; that run alone if the record is not from rest, or in pieces."""
+    model = prepared.weighed.model
+    alone = model.pieces is not None or not model.record.rest
+    record = run if alone else joined([model.record, run])
     both = replace(model, record=record)
     coarse = prepared.weighed.coarse and replace(prepared.weighed.coarse, record=record)
     return replace(prepared.weighed, model=both, coarse=coarse, chosen=np.isfinite(both.target), initial=None)
@@ -56,7 +62,7 @@ def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
     """Drives (n, joints), smaller where a rival would go further than was measured: into end stops, where nothing can be predicted."""
     reach = WITHIN * np.nanmax(np.abs(model.target), axis=0)
     for _ in range(SMALLER):
-        run = replace(model, record=_run(model.record, drives))
+        run = replace(model, record=asked(model.record, drives))
         moved = [run.runs(h.fit.free, h.fit.x)[0] for h in rivals]
         with np.errstate(invalid="ignore"):
             over = max(float(np.max(np.abs(y) / reach)) if np.isfinite(y).all() else 2.0 for y in moved)
@@ -66,42 +72,41 @@ def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
     return drives
 
 
-def _run(record: Record, drives: np.ndarray) -> Record:
-    readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
-    return replace(record, drives=drives, readings=readings, rest=True, breaks=(), uneven=0.0)
-
-
 class Follower:
-    """A hypothesis that follows what another one would have read, as well as its parameters and the sensors' let it.
-
-    Attributes:
-        run: (n, channels) that it would have read itself.
-    """
+    """A hypothesis that follows what another one would have read, as well as its parameters and the sensors' let it."""
 
     def __init__(self, weighed: Weighed, own: int, h: Hypothesis) -> None:
         """Of a hypothesis in `weighed`, whose first `own` readings are those of the record."""
         self._weighed, self._own, self._h = weighed, own, h
-        self.run = weighed.model.runs(h.fit.free, h.fit.x)[0]
-        columns = jacobian(weighed, h.fit.free, h.fit.x, self.run, Sensors.none(self.run.shape[1]))
+
+    @cached_property
+    def run(self) -> np.ndarray:
+        """(n, channels) that it would have read itself."""
+        return self._weighed.model.runs(self._h.fit.free, self._h.fit.x)[0]
+
+    @cached_property
+    def _basis(self) -> np.ndarray:
+        """(m + P + sensors, P + sensors) orthonormal directions in which parameters and sensors move it, and their priors."""
+        weighed, found = self._weighed, self._h.fit
+        runs = Corrected(weighed, found.free, found.x, self.run)
+        columns = jacobian(weighed, found.free, found.x, self.run, Sensors.none(self.run.shape[1]), runs.near)
         prior = np.zeros(columns.shape[1])
-        prior[: len(h.fit.free)] = [1.0 / f.sd for f in h.fit.free]
+        prior[: len(found.free)] = [1.0 / f.sd for f in found.free]
         matrix = np.vstack([columns, np.diag(prior)])
-        self._basis = np.linalg.qr(matrix)[0] if np.isfinite(matrix).all() else None
+        return np.linalg.qr(matrix)[0] if np.isfinite(matrix).all() else np.full_like(matrix, np.nan)
 
     def foreseen(self, truth: np.ndarray) -> Apart:
         """What would be left of readings (n, channels), if all were linear; nothing of a hypothesis that diverges, or of what does."""
         off = self._weighed.vector(truth - self.run)
-        if self._basis is None or not np.isfinite(off).all():
-            return Apart(0.0, 0.0)
-        left = off - (self._basis @ (self._basis[: len(off)].T @ off))[: len(off)]
-        return self._of(left)
+        left = off - self._basis[: len(off)] @ (self._basis[: len(off)].T @ off)
+        return self._of(left) if np.isfinite(left).all() else Apart(0.0, 0.0)
 
     def refitted(self, truth: np.ndarray) -> Apart:
         """What is left of readings (n, channels) after a refit."""
         model = replace(self._weighed.model)
         model.target = np.where(np.isfinite(model.target), truth, np.nan)
         weighed = replace(self._weighed, model=model)
-        return self._of(weighed.vector(model.target - fit(weighed, self._h.fit.free, self._h.fit.x).reading))
+        return self._of(weighed.vector(model.target - fit(weighed, self._h.fit.free, self._h.fit.x, tolerance=NEAR).reading))
 
     def _of(self, left: np.ndarray) -> Apart:
         square = np.full(self._weighed.chosen.shape, np.nan)

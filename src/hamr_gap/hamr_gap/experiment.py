@@ -8,13 +8,13 @@ so a run must show more than its noise would ask for, and throughout.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
 
-from .apart import Apart, Follower, after, within
+from .apart import Apart, Follower, after, asked, within
 from .blocks import THROUGHOUT
 from .excite import signals
 from .hypothesis import Hypothesis
@@ -24,6 +24,7 @@ from .weigh import COVERAGE, FLOOR_ERROR, SHARPNESS, least_told
 TRIED_S = 4.0  # of each signal, at first
 DECISIVE = 2.0 * np.log(COVERAGE / (1.0 - COVERAGE))  # log odds that both runs must make, whichever name is right and however likely now
 SURELY = THROUGHOUT + 1.0  # t over blocks to be expected, for it to be above `THROUGHOUT` in most runs
+LOOKS = 4  # in earnest, at runs longer than `TRIED_S`
 LENGTHS_S = np.geomspace(4.0, 60.0, 8)  # a record needs 4 s to be divided
 
 
@@ -76,15 +77,24 @@ def propose(prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], *, floor
 
 @dataclass(frozen=True)
 class _Pair:
-    """One of two names taken for right: what it would read, (n, channels), what a re-tune leaves of that, and what the other does."""
+    """One of two names taken for right, the forms of the other, and what a run shows that a re-tune, and the other, cannot follow."""
 
-    truth: np.ndarray
+    right: Follower
+    wrong: Sequence[Follower]
     retuned: Apart
-    forms: Sequence[Follower]
     apart: Apart
 
     def in_earnest(self) -> _Pair:
-        return replace(self, apart=_least(form.refitted(self.truth) for form in self.forms))
+        return replace(self, apart=_least(form.refitted(self.right.run) for form in self.wrong))
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A signal of some seconds: its drives, and every two names under them."""
+
+    seconds: float
+    drives: np.ndarray
+    pairs: list[_Pair]
 
 
 class _Choice:
@@ -101,34 +111,43 @@ class _Choice:
 
     def shortest(self) -> Proposal:
         """The shortest run of all signals that decides, the more decided of two as short."""
-        odds, d_prime, waiting = {}, {}, []
-        for name in self._shapes(TRIED_S):
-            drives, pairs = self._look(name, TRIED_S)
-            d_prime[name] = float(np.sqrt(min(p.apart.run for p in pairs) * len(pairs[0].truth) * self._new(TRIED_S)))
-            odds[name] = self._wait(waiting, name, pairs, 0.0)
-        while waiting:
+        runs = {name: self._foreseen(name) for name in self._shapes(TRIED_S)}
+        count = self._prepared.weighed.sigma.size * TRIED_S * self._second / self._prepared.weighed.model.reading_step
+        d_prime = {name: float(np.sqrt(count * min(pair.apart.run for pair in run.pairs))) for name, run in runs.items()}
+        earnest, looks, waiting = set(), 0, []
+        for name, run in runs.items():
+            self._wait(waiting, name, run, 0.0)
+        while waiting and looks < LOOKS:
             seconds, _, name = heapq.heappop(waiting)
-            drives, pairs = self._look(name, seconds)
-            seen = []
-            for pair in sorted(pairs, key=lambda pair: self._odds(pair, seconds)):
-                seen.append(pair.in_earnest())
-                if self._odds(seen[-1], seconds, surely=True) < DECISIVE:
-                    odds[name] = min(odds[name], self._wait(waiting, name, seen, seconds))
-                    break
-            else:
-                return Proposal(len(self._rivals), name, seconds, odds, d_prime, drives)
-        return Proposal(len(self._rivals), "", 0.0, odds, d_prime, np.empty((0, len(self._prepared.weighed.model.machine.joints))))
+            if name in earnest:  # nothing is worth a long run that a short one does not say so in earnest
+                runs[name] = self._longer(name, seconds, runs[name])
+                looks += 1
+            earnest.add(name)
+            if self._settles(run := runs[name]):
+                return self._proposal(runs, d_prime, name)
+            self._wait(waiting, name, run, run.seconds)
+        return self._proposal(runs, d_prime, "")
 
-    def _wait(self, waiting: list, name: str, pairs: Sequence[_Pair], tried: float) -> float:
-        """Puts a signal among those waiting to be looked at, with the shortest length beyond one tried that seems to decide.
+    def _settles(self, run: _Run) -> bool:
+        """Whether a run decides in earnest, whichever name is right: looked at as far as the first pair that it does not decide."""
+        for k in sorted(range(len(run.pairs)), key=lambda k: self._odds(run.pairs[k], run.seconds)):
+            run.pairs[k] = run.pairs[k].in_earnest()
+            if self._odds(run.pairs[k], run.seconds, surely=True) < DECISIVE:
+                return False
+        return True
 
-        Returns the log odds for the longest.
-        """
+    def _proposal(self, runs: Mapping[str, _Run], d_prime: dict[str, float], name: str) -> Proposal:
+        odds = {name: min(self._odds(pair, LENGTHS_S[-1]) for pair in run.pairs) for name, run in runs.items()}
+        nothing = np.empty((0, len(self._prepared.weighed.model.machine.joints)))
+        seconds, drives = (runs[name].seconds, runs[name].drives) if name else (0.0, nothing)
+        return Proposal(len(self._rivals), name, seconds, odds, d_prime, drives)
+
+    def _wait(self, waiting: list, name: str, run: _Run, tried: float) -> None:
+        """Puts a signal among those waiting to be looked at, with the shortest length beyond one tried that seems to decide."""
         for seconds in LENGTHS_S[tried < LENGTHS_S]:
-            if (odds := min(self._odds(pair, seconds) for pair in pairs)) >= DECISIVE:
+            if (odds := min(self._odds(pair, seconds) for pair in run.pairs)) >= DECISIVE:
                 heapq.heappush(waiting, (float(seconds), -odds, name))
                 break
-        return min(self._odds(pair, LENGTHS_S[-1]) for pair in pairs)
 
     def _shapes(self, seconds: float) -> dict[str, np.ndarray]:
         """Name -> (n, joints) signal, of 1 at most, as long."""
@@ -137,19 +156,28 @@ class _Choice:
         count = int(seconds * self._second / model.record.step) * per
         return signals(model.machine, model.record.step / per, count, self._seed)
 
-    def _look(self, name: str, seconds: float) -> tuple[np.ndarray, list[_Pair]]:
-        """The drives of a signal, and what it shows of every two names, linearly."""
-        prepared, model = self._prepared, self._prepared.weighed.model
-        limit = np.abs(model.record.drives).max(axis=0)
-        drives = within(model, limit * self._shapes(seconds)[name], *(forms[0] for forms in self._rivals))
-        weighed = after(prepared, drives)
-        own = len(weighed.model.target) - len(drives) // model.record.drives_per_reading // model.mean
-        base = Follower(weighed, own, prepared.base)
-        followers = [[Follower(weighed, own, h) for h in forms] for forms in self._rivals]
-        return drives, [
-            _Pair(truth, base.foreseen(truth), wrong, _least(form.foreseen(truth) for form in wrong))
-            for (right, wrong) in permutations(followers, 2) for truth in (right[0].run,)
-        ]  # fmt: skip
+    def _foreseen(self, name: str) -> _Run:
+        """A signal tried, linearly."""
+        drives, base, followers = self._played(name, TRIED_S)
+        return _Run(TRIED_S, drives, [
+            _Pair(right, wrong, base.foreseen(right.run), _least(form.foreseen(right.run) for form in wrong))
+            for (right, *_), wrong in permutations(followers, 2)
+        ])  # fmt: skip
+
+    def _longer(self, name: str, seconds: float, known: _Run) -> _Run:
+        """A signal for longer, taken to show as much in each second."""
+        drives, _, followers = self._played(name, seconds)
+        pairs = zip(permutations(followers, 2), known.pairs, strict=True)
+        return _Run(seconds, drives, [replace(pair, right=right, wrong=wrong) for ((right, *_), wrong), pair in pairs])
+
+    def _played(self, name: str, seconds: float) -> tuple[np.ndarray, Follower, list[list[Follower]]]:
+        """The drives of a signal, and what follows under them: the re-tuned model, and each form of each name."""
+        prepared, record = self._prepared, self._prepared.weighed.model.record
+        limit = np.abs(record.drives).max(axis=0)
+        drives = within(prepared.weighed.model, limit * self._shapes(seconds)[name], *(forms[0] for forms in self._rivals))
+        both = after(prepared, run := asked(record, drives))
+        own = len(both.model.target) - len(run) // both.model.mean
+        return drives, Follower(both, own, prepared.base), [[Follower(both, own, h) for h in forms] for forms in self._rivals]
 
     def _odds(self, pair: _Pair, seconds: float, *, surely: bool = False) -> float:
         """Log odds for the right one of two names that the record and such a run of some seconds make together.

@@ -31,20 +31,25 @@ SHOWN = 8  # rivals that are written down
 FORMS = 12  # of the right names that are fitted at most
 
 
-def ideal(case: Case) -> dict:
-    """d' of every set of names against the noise-free truth, and the right names' fits.
-
-    Returns:
-        rivals: [[effects], d'], least first; nothing is the re-tune alone. forms: of the right names, {form: parameters in SI}.
-    """
+def noise_free(case: Case) -> tuple[Prepared, Search, np.ndarray]:
+    """A case as it would be solved if its sensors had no noise but were weighed by it, and that noise (channels,)."""
     truth = hidden_gap.simulate(case)
     record = record_of(samples_of(case, truth, truth, recorded(case, truth)), LEG, JOINTS)
     angle, tip = floors(case)
     noise = np.repeat([angle, length_from_si(tip)], 2)[: len(record.channels)]
     prepared = prepare(machine_of("simple", LEG), record, noise=noise)
     state = search(prepared.weighed, prepared.judged, prepared.base)
-    prepared = replace(prepared, base=state.base, weighed=state.weighed)  # perhaps better timed
-    own = _right(prepared, state, case)
+    return replace(prepared, base=state.base, weighed=state.weighed), state, noise  # perhaps better timed
+
+
+def ideal(case: Case) -> dict:
+    """d' of every set of names against the noise-free truth, and the right names' fits.
+
+    Returns:
+        rivals: [[effects], d'], least first; nothing is the re-tune alone. forms: of the right names, {form: parameters in SI}.
+    """
+    prepared, state, noise = noise_free(case)
+    own = fits_of(prepared, state, truth_of(case))
     best: dict[frozenset, Hypothesis] = {}
     for h in sorted([prepared.base, *state.tried, *own], key=lambda h: h.left):
         best.setdefault(h.names, h)
@@ -60,10 +65,14 @@ def said(h: Hypothesis) -> list:
     return [[c.effect, c.form, [JOINTS[j] for j in c.joints]] for c in h.effects]
 
 
-def _right(prepared: Prepared, state: Search, case: Case) -> list[Hypothesis]:
-    """Fits of the right names, in forms that the search tried and, if it tried none, in those that look best."""
-    wanted = [(e.family, tuple(JOINTS.index(j) for j in e.joints)) for e in case.effects]
-    if tried := [h for h in state.tried if h.names == frozenset(wanted)]:
+def truth_of(case: Case) -> frozenset:
+    """Names and places of what a case hides."""
+    return frozenset((e.family, tuple(JOINTS.index(j) for j in e.joints)) for e in case.effects)
+
+
+def fits_of(prepared: Prepared, state: Search, wanted: frozenset) -> list[Hypothesis]:
+    """Fits of a set of names, in forms that the search tried and, if it tried none, in those that look best."""
+    if tried := [h for h in state.tried if h.names == wanted]:
         return tried
     model = prepared.weighed.model
     forms = [[c for c in candidates(model.machine, model.record) if c.name == name] for name in wanted]

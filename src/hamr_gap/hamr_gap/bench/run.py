@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from hamr_description.errors import ConfigError
 
-from . import cases, listing, other, score, second, told
+from . import cases, decidable, listing, other, score, second, told
 
 
 def bench(
@@ -67,6 +67,9 @@ def bench(
     if ideals:
         _each(workers, "ideal", [[str(out), str(name)] for name in legs if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
+    if ideals:
+        unsure = [c.name for c in told.unsure(done) if not (decidable.folder_of(out, verdicts) / f"{c.name}.json").exists()]
+        _each(workers, "decidable", [[str(out), verdicts, str(name)] for name in unsure])
     listing.write(out / f"{verdicts}.csv", done)
     return dict([*score.table(done), *told.rows(out, done, verdicts)])
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ..weigh import DECIDES, within
+from .decidable import folder_of
 from .other import WAYS
 from .rates import rate
-from .score import Scored, kept_in, names, scored, share
+from .score import GROUND, Scored, kept_in, names, scored, share
 
 TOLD_APART = (2.0 * DECIDES) ** 0.5  # d' from which data tell two laws apart
 
@@ -20,22 +21,34 @@ def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, s
     known = [c for c in cases if c.truth and c.name in ideals]
     rivals = {c.name: right_set(c.truth, ideals[c.name]["rivals"]) for c in known}
     blurred = [c for c in known if len(rivals[c.name]) > 1]
-    again = [b for a, b in _pairs(out, cases, verdicts, "second") if a.covered]
+    again = [(a, b) for a, b in _pairs(out, cases, verdicts, "second") if a.covered]
     noise, half = (_pairs(out, cases, verdicts, way) for way in WAYS)
-    asked = [c for c in cases if c.verdict == "ambiguous" and c.covered]
-    silent = [c for c in asked if c.result["experiment"] and not c.result["experiment"]["signal"]]
+    shown = [(c, path) for c in unsure(cases) if (path := folder_of(out, verdicts) / f"{c.name}.json").exists()]
+    apart = [(c, max(json.loads(path.read_text()).values()) >= TOLD_APART) for c, path in shown]
+    told_apart, not_told = ([c for c, yes in apart if yes == wanted] for wanted in (True, False))
+    settled = {a.name for a, b in again if b.verdict == "named" and b.exact}
     holds = [(hit, c.law) for c in known for hit in held(c, ideals[c.name]["forms"])]
     found = [
         ("95 % intervals that hold the truth", rate(*zip(*holds, strict=True)) if holds else "-"),
         ("cases that these data cannot tell (computed)", share(known, lambda c: len(rivals[c.name]) > 1)),
         ("of these: called ambiguous, the answer in the set", share(blurred, lambda c: c.verdict == "ambiguous" and c.covered)),
         ("of these: confident and wrong", share(blurred, lambda c: c.verdict == "named" and not c.exact)),
-        ("ambiguous: no experiment decides, it was said", share(asked, lambda c: c in silent)),
-        ("ambiguous: settled by the run that was asked for", share(again, lambda c: c.verdict == "named" and c.exact)),
+        ("ambiguous: settled by the run that was asked for", share((a for a, _ in again), lambda c: c.name in settled)),
+        ("ambiguous and decidable (computed): settled by the run that was asked for", share(told_apart, lambda c: c.name in settled)),
+        ("ambiguous and not decidable (computed): it was said that no experiment decides", share(not_told, _silent)),
         ("same answer with other noise", _agree(noise)),
         ("same answer from half of the data", _agree(half)),
     ]
     return [(name, text) for name, text in found if text != "-"]
+
+
+def unsure(cases: Sequence[Scored]) -> list[Scored]:
+    """Legs with an ambiguous answer that holds the right names."""
+    return [c for c in cases if c.group not in GROUND and c.verdict == "ambiguous" and c.covered]
+
+
+def _silent(case: Scored) -> bool:
+    return bool(case.result["experiment"]) and not case.result["experiment"]["signal"]
 
 
 def _pairs(out: Path, cases: Sequence[Scored], verdicts: str, way: str) -> list[tuple[Scored, Scored]]:
