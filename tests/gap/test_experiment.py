@@ -11,7 +11,7 @@ from oscillator import MACHINE, STEP, measured, oscillator
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.analyse import analyse
-from hamr_gap.apart import WITHIN, Follower, after, asked
+from hamr_gap.apart import WITHIN, Apart, Follower, after, asked
 from hamr_gap.excite import signals
 from hamr_gap.experiment import DECISIVE, Proposal, propose
 from hamr_gap.hypothesis import Hypothesis, refine, residual, starts
@@ -120,6 +120,15 @@ def test_what_a_run_shows_is_what_neither_parameters_nor_sensors_follow(proposed
     assert follower.foreseen(follower.run + weighed.sigma).run < 1e-6
     assert follower.foreseen(follower.run + alternating).run == pytest.approx(1.0, abs=1e-3)
     assert follower.foreseen(follower.run + alternating).record < 1e-3
+
+
+def test_what_diverges_shows_nothing(proposed):
+    record, prepared, fits, _ = proposed
+    drives = 1e200 * np.ones((4000, 1))
+    both = after(prepared, asked(record, drives))
+    hard, soft = (Follower(both, len(record), h) for h in fits)
+    assert not np.isfinite(hard.run).all() and np.isfinite(soft.run).all()
+    assert hard.foreseen(soft.run) == hard.refitted(soft.run) == soft.foreseen(hard.run) == Apart(0.0, 0.0)
 
 
 def test_two_runs_from_rest_with_late_biased_sensors_are_explained_as_well_as_one():

@@ -102,7 +102,9 @@ class Follower:
         return self._of(left) if np.isfinite(left).all() else Apart(0.0, 0.0)
 
     def refitted(self, truth: np.ndarray) -> Apart:
-        """What is left of readings (n, channels) after a refit."""
+        """What is left of readings (n, channels) after a refit; nothing of a hypothesis that diverges."""
+        if not np.isfinite(self.run).all():
+            return Apart(0.0, 0.0)
         model = replace(self._weighed.model)
         model.target = np.where(np.isfinite(model.target), truth, np.nan)
         weighed = replace(self._weighed, model=model)

@@ -85,7 +85,8 @@ class _Pair:
     apart: Apart
 
     def in_earnest(self) -> _Pair:
-        return replace(self, apart=_least(form.refitted(self.right.run) for form in self.wrong))
+        there = np.isfinite(self.right.run).all()
+        return replace(self, apart=_least(form.refitted(self.right.run) for form in self.wrong) if there else Apart(0.0, 0.0))
 
 
 @dataclass(frozen=True)
