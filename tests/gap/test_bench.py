@@ -14,7 +14,7 @@ from hamr_gap.analyse import analyse
 from hamr_gap.bench import listing
 from hamr_gap.bench.cases import LEG, from_plain, recorded, samples_of
 from hamr_gap.bench.score import names, scored
-from hamr_gap.bench.told import right_set
+from hamr_gap.bench.told import right_set, rows
 from hamr_gap.legs import machine_of, record_of
 from hidden_gap.case import JOINTS, Case
 
@@ -63,6 +63,26 @@ def test_the_right_set_has_what_noise_free_data_do_not_tell_apart_and_nothing_th
     assert right_set(truth, [[at_both, 0.4], [wider, 0.3], [elsewhere, 3.0]]) == {truth, names(elsewhere)}
 
 
+def test_what_a_signal_could_tell_is_held_against_what_was_said_of_experiments(tmp_path):
+    """Of four ambiguous answers two are decidable, one of which was settled by the run it asked for; of one of the others that was said."""
+    lag, delay = ([[effect, "", ["fl_lift"]]] for effect in ("drive_lag", "drive_delay"))
+    for name, signal, apart, second in ((1, "chirp", 9.0, lag), (2, "chirp", 4.1, delay), (3, "", 3.9, None), (4, "chirp", 0.0, None)):
+        truth = {"group": "twins", "effects": [{"family": e, "law": f"law{name}", "joints": at} for e, _, at in lag]}
+        first = {"verdict": "ambiguous", "weights": [{"effects": e, "probability": 0.5} for e in (lag, delay)], "experiment": {"signal": signal}}
+        again = second and {"verdict": "named", "weights": [{"effects": second, "probability": 1.0}]}
+        shown = {"chirp": 0.5 * apart, "steps that hold": apart}
+        for folder, content in (("answers", truth), ("verdicts", first), ("verdicts_second", again), ("verdicts_decidable", shown)):
+            (tmp_path / folder).mkdir(exist_ok=True)
+            if content:
+                (tmp_path / folder / f"{name}.json").write_text(json.dumps(content))
+    found = dict(rows(tmp_path, [scored(tmp_path, name) for name in (1, 2, 3, 4)], "verdicts"))
+    assert {what: text[:4] for what, text in found.items()} == {
+        "ambiguous: settled by the run that was asked for": "50 %",
+        "ambiguous and decidable (computed): settled by the run that was asked for": "50 %",
+        "ambiguous and not decidable (computed): it was said that no experiment decides": "50 %",
+    }
+
+
 def test_every_case_has_a_line(tmp_path):
     """What was hidden, what was answered first and with what probability; nothing said to be missing, no first answer."""
     lag, play = ["drive_lag", "first_order", ["fl_lift"]], ["backlash", "dead_band", ["fl_swing", "fl_lift"]]
@@ -80,8 +100,8 @@ def test_every_case_has_a_line(tmp_path):
     listing.write(tmp_path / "cases.csv", [scored(tmp_path, name) for name, *_ in cases])
     both = "backlash (fl_lift, fl_swing) + drive_lag (fl_lift)"
     with (tmp_path / "cases.csv").open(newline="") as file:
-        rows = list(csv.reader(file))
-    assert rows == [
+        lines = list(csv.reader(file))
+    assert lines == [
         list(listing.COLUMNS),
         ["3", "null", "", "parameters_only", "", "", "1", "0", "1.250", "31"],
         ["5", "outside", "cogging (fl_lift)", "unknown", "unknown", "0.990", "1", "0", "1.250", "31"],

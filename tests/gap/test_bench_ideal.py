@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from hamr_gap.bench import decidable as decidable_module
 from hamr_gap.bench.cases import from_plain
-from hamr_gap.bench.ideal import ideal
+from hamr_gap.bench.decidable import decidable
+from hamr_gap.bench.ideal import ideal, truth_of
 from hamr_gap.bench.score import names
 from hamr_gap.bench.told import TOLD_APART, right_set
+from hamr_gap.excite import signals
 from hidden_gap.simulate import SAMPLE_HZ
 
 DELAY = 1  # which of the cases has nothing but a delay, of one joint
@@ -49,3 +52,13 @@ def test_the_right_form_has_the_generators_own_size(case, found):
     (effect,), (form,) = case.effects, found["forms"].values()
     size = form[0]["parameters"]["delay"][effect.joints[0]]
     assert size["value"] == pytest.approx(1e-3 * effect.parameters["tau"], rel=2e-3)
+
+
+def test_a_signal_tells_a_delay_from_a_lag_and_nothing_from_itself(case, monkeypatch):
+    """As the hidden machine itself shows it: a delay of 0.9 ms and its nearest lag, under fast noise."""
+    monkeypatch.setattr(decidable_module, "PLAYED_S", 1.0)
+    monkeypatch.setattr(decidable_module, "signals", lambda *given: {"fast noise": signals(*given)["fast noise"]})
+    truth = truth_of(case)
+    lag = frozenset(("drive_lag", joints) for _, joints in truth)
+    assert decidable(case, [lag])["fast noise"] > 20.0 * TOLD_APART
+    assert decidable(case, [lag, truth])["fast noise"] == 0.0
