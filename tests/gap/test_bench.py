@@ -68,7 +68,8 @@ def test_what_a_signal_could_tell_is_held_against_what_was_said_of_experiments(t
     lag, delay = ([[effect, "", ["fl_lift"]]] for effect in ("drive_lag", "drive_delay"))
     for name, signal, apart, second in ((1, "chirp", 9.0, lag), (2, "chirp", 4.1, delay), (3, "", 3.9, None), (4, "chirp", 0.0, None)):
         truth = {"group": "twins", "effects": [{"family": e, "law": f"law{name}", "joints": at} for e, _, at in lag]}
-        first = {"verdict": "ambiguous", "weights": [{"effects": e, "probability": 0.5} for e in (lag, delay)], "experiment": {"signal": signal}}
+        weights = [{"effects": e, "probability": 0.5} for e in (lag, delay)]
+        first = {"verdict": "ambiguous", "weights": weights, "experiment": {"signal": signal}}
         again = second and {"verdict": "named", "weights": [{"effects": second, "probability": 1.0}]}
         shown = {"chirp": 0.5 * apart, "steps that hold": apart}
         for folder, content in (("answers", truth), ("verdicts", first), ("verdicts_second", again), ("verdicts_decidable", shown)):
