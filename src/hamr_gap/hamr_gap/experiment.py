@@ -24,7 +24,7 @@ from .weigh import COVERAGE, FLOOR_ERROR, SHARPNESS, least_told
 TRIED_S = 4.0  # of each signal, at first
 DECISIVE = 2.0 * np.log(COVERAGE / (1.0 - COVERAGE))  # log odds that both runs must make, whichever name is right and however likely now
 SURELY = THROUGHOUT + 1.0  # t over blocks to be expected, for it to be above `THROUGHOUT` in most runs
-LOOKS = 4  # in earnest, at runs longer than `TRIED_S`
+LOOKS = 3  # in earnest, at runs longer than `TRIED_S`
 LENGTHS_S = np.geomspace(4.0, 60.0, 8)  # a record needs 4 s to be divided
 
 
