@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from hamr_gap.apart import WITHIN, Apart, Follower, after, asked
 from hamr_gap.excite import signals
 from hamr_gap.experiment import DECISIVE, Proposal, propose
 from hamr_gap.hypothesis import Hypothesis, refine, residual, starts
-from hamr_gap.parameters import Candidate
+from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.record import Record, joined
 from hamr_gap.screen import screen
@@ -120,6 +121,25 @@ def test_what_a_run_shows_is_what_neither_parameters_nor_sensors_follow(proposed
     assert follower.foreseen(follower.run + weighed.sigma).run < 1e-6
     assert follower.foreseen(follower.run + alternating).run == pytest.approx(1.0, abs=1e-3)
     assert follower.foreseen(follower.run + alternating).record < 1e-3
+
+
+def test_a_relaxing_spring_follows_a_creeping_drive_a_long_way():
+    """Far along its own curve, where its tangent, taken where nothing relaxes yet, says that it stays behind."""
+    prepared = prepare(MACHINE, measured(slowly(12.0), lambda q, v: 0.0, np.random.default_rng(6), 0.01))
+    base, record = prepared.base.fit, prepared.weighed.model.record
+
+    def sized(name: str, form: str, share: float) -> SimpleNamespace:
+        """A hypothesis whose first size is a share of what is usual."""
+        free = (*base.free, *effect_parameters((Candidate(name, form, (0,)),), prepared.weighed.model.scales))
+        first = len(base.free)
+        x = np.array([*base.x, *(f.center if k else share * f.sd for k, f in enumerate(free[first:]))])
+        return SimpleNamespace(fit=SimpleNamespace(free=free, x=x))
+
+    both = after(prepared, asked(record, 2000.0 * signals(MACHINE, record.step, 4000)["strong noise"]))
+    names = sized("piezo_creep", "kelvin_voigt", 1.0), sized("viscoelasticity", "maxwell", 0.01)
+    creep, relaxing = (Follower(both, len(record), h) for h in names)
+    assert relaxing.foreseen(creep.run).run > 3.0
+    assert relaxing.refitted(creep.run).run < 0.01
 
 
 def test_what_diverges_shows_nothing(proposed):
