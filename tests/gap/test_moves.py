@@ -27,7 +27,7 @@ from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.readings import fresh
 from hamr_gap.record import Record
 from hamr_gap.sensors import Sensors
-from hamr_gap.simpler import as_narrow, narrowed, special_cases, without
+from hamr_gap.simpler import as_narrow, in_its_place, narrowed, special_cases, without
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
 FRICTION = Candidate("coulomb_friction", "presliding", (0,))
@@ -111,7 +111,7 @@ def test_what_is_better_in_its_place_is_looked_at_in_turn():
     """Creep can be taken for a relaxing spring, and that for structural damping."""
     lossy = prepare(machine_of("simple", "fl"), shaken("structural_damping.ladder", {"loss.0": 0.02, "time.0": 3.0}))
     h = fitted(lossy, Candidate("piezo_creep", "logarithmic", (0,)))
-    found = special_cases(lossy.weighed, lossy.judged, h)
+    found = in_its_place(lossy.weighed, lossy.judged, h)
     best = min(found, key=lambda s: s.left)
     assert best.names == frozenset({("structural_damping", (0,))})
     assert best.left < min(s.left for s in found if s.names == frozenset({("viscoelasticity", (0,))})) < h.left

@@ -16,7 +16,7 @@ from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
 from .sensor_steps import staircases, with_stairs
-from .simpler import HARMLESS, as_narrow, narrowed, special_cases, without
+from .simpler import HARMLESS, as_narrow, in_its_place, narrowed, without
 from .sought import sought
 from .weighed import Weighed
 
@@ -130,7 +130,7 @@ def search(
         if state.best.left - state.floor > NEEDED * before:
             break
         _exchange(weighed, judged, state, everything, smaller)
-    state.tried += special_cases(weighed, judged, state.best)
+    state.tried += in_its_place(weighed, judged, state.best)
     state.tried += narrowed(weighed, judged, state.best)  # beside a simpler name others may have nothing left to do
     state.tried += as_narrow(weighed, judged, state.tried)
     with_steps(weighed, judged, state, report)

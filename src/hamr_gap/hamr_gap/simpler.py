@@ -54,7 +54,7 @@ def _at_one(c: Candidate) -> list[tuple[Candidate]]:
 
 def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
     """A hypothesis fitted again with another name, in all its forms, in the place of one that contains or mimics it, or is the same to
-    some sensors; and on from the best of these, while it leaves less.
+    some sensors.
 
     Of several effects each is fitted in its own other forms too: singles have been, but others were found beside some one form. So is
     one that couples two joints: it may be a form of its own name at one of them, which a fit from elsewhere has missed.
@@ -74,9 +74,14 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
             x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
             wanted.append(Start(effects, free, x, np.inf))
-    found = refined(weighed, judged, wanted)
+    return refined(weighed, judged, wanted)
+
+
+def in_its_place(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:
+    """The special cases and mimics of a hypothesis, and those of the best of these, while that leaves less."""
+    found = special_cases(weighed, judged, h)
     best = min(found, key=lambda s: s.left, default=h)
-    return [*found, *special_cases(weighed, judged, best)] if best.left < h.left else found
+    return [*found, *in_its_place(weighed, judged, best)] if best.left < h.left else found
 
 
 def _like(c: Candidate, p: Parameter, place: int) -> str:
