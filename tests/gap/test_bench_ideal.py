@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from hamr_gap.apart import shapes
 from hamr_gap.bench import decidable as decidable_module
 from hamr_gap.bench.cases import from_plain
 from hamr_gap.bench.decidable import decidable
 from hamr_gap.bench.ideal import ideal, truth_of
 from hamr_gap.bench.score import names
 from hamr_gap.bench.told import TOLD_APART, right_set
-from hamr_gap.excite import signals
 from hidden_gap.simulate import SAMPLE_HZ
 
 DELAY = 1  # which of the cases has nothing but a delay, of one joint
@@ -57,7 +57,7 @@ def test_the_right_form_has_the_generators_own_size(case, found):
 def test_a_signal_tells_a_delay_from_a_lag_and_nothing_from_itself(case, monkeypatch):
     """As the hidden machine itself shows it: a delay of 0.9 ms and its nearest lag, under fast noise."""
     monkeypatch.setattr(decidable_module, "PLAYED_S", 1.0)
-    monkeypatch.setattr(decidable_module, "signals", lambda *given: {"fast noise": signals(*given)["fast noise"]})
+    monkeypatch.setattr(decidable_module, "shapes", lambda *given: {"fast noise": shapes(*given)["fast noise"]})
     truth = truth_of(case)
     lag = frozenset(("drive_lag", joints) for _, joints in truth)
     assert decidable(case, [lag])["fast noise"] > 20.0 * TOLD_APART

@@ -20,6 +20,7 @@ from hamr_gap.parameters import Candidate, effect_parameters
 from hamr_gap.prepare import Prepared, prepare
 from hamr_gap.record import Record, joined
 from hamr_gap.screen import screen
+from hamr_gap.search import Search
 from hamr_gap.weigh import SHARPNESS, floor_of, least_told
 
 
@@ -64,6 +65,8 @@ def test_signals_of_an_experiment_stay_within_the_drive_and_start_gently():
         assert np.abs(x).max() <= 1.0 + 1e-12, name
         assert np.abs(x[:3]).max() < 0.05, name
         assert x.std() > 0.05, name
+    fast = np.abs(np.fft.rfft(signals(machine, 0.01, 3000)["fast noise"][:, 0])) ** 2
+    assert fast[np.fft.rfftfreq(3000, 0.01) < 10.0 / (2 * np.pi)].sum() < 0.02 * fast.sum()  # nothing slower than the machine
 
 
 def test_an_experiment_is_proposed_that_tells_rivals_apart(proposed):
@@ -84,6 +87,29 @@ def test_nothing_tells_a_name_from_itself(proposed):
     assert same.signal == ""
     assert "no drive signal" in same.as_dict(("a", "a"))["sentence"]
     assert max(same.odds.values()) < 1e-6
+
+
+def test_of_names_that_nothing_tells_apart_the_first_two_that_something_does_are_decided(proposed):
+    _, prepared, fits, proposal = proposed
+    three = propose(prepared, [fits[:1], fits[1:], fits[1:]], floor=1.0)
+    assert (three.names, three.signal, three.seconds) == (2, proposal.signal, proposal.seconds)
+    assert "between a and b." in three.as_dict(("a", "b", "c"))["sentence"]
+
+
+def test_forms_of_a_name_are_the_best_of_each_that_do_about_as_well(proposed):
+    _, prepared, fits, _ = proposed
+    forms = [Candidate("cubic_stiffness", form, (0,)) for form in ("cubic", "mixed", "quintic", "other")]
+    left = ((1, 1.02), (1, 1.01), (2, 1.1), (0, 1.0), (0, 1.005), (3, 1.029))
+    tried = [replace(fits[0], effects=(forms[k],), left=x) for k, x in left]
+    state = Search(prepared.weighed, prepared.base, None, 100, [*tried, replace(fits[1], left=0.9)])
+    assert state.forms_of(tried[4]) == [tried[4], tried[1], tried[5]]
+
+
+def test_a_record_that_begins_in_motion_is_not_followed_by_the_run(proposed):
+    record, prepared, _, _ = proposed
+    moving = prepare(MACHINE, replace(record, rest=False))
+    lengths = [len(after(p, asked(record, np.zeros((4000, 1)))).model.target) for p in (moving, prepared)]
+    assert lengths == [4000, 4000 + len(record)]
 
 
 def test_both_runs_together_decide_as_was_said(proposed):

@@ -41,7 +41,7 @@ FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_l
 
 @pytest.mark.parametrize("left", [np.full(24, 0.02), np.r_[np.zeros(18), np.full(6, 0.2)], np.full(24, 3.0)])
 def test_what_is_seen_throughout_is_foreseen(left):
-    """t over blocks, as noise in the readings makes it: the mean of many tries."""
+    """t over blocks, as noise in the readings makes it: the median of many tries."""
     random, count = np.random.default_rng(4), 400
     noise = random.standard_normal((300, 24, count))
     worse = (noise + np.sqrt(left)[:, None] * np.sign(random.standard_normal(count))) ** 2

@@ -7,6 +7,7 @@ of a creeping drive goes a long way for it, and then the linear picture shows th
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from .blocks import foreseen
 from .corrected import Corrected
+from .excite import signals
 from .fit import fit
 from .hypothesis import BLOCKS, Hypothesis
 from .linear import jacobian
@@ -40,6 +42,14 @@ class Apart:
     record: float
     run: float
     throughout: float = 0.0
+
+
+def shapes(model: Model, seconds: float, seed: int = 0) -> dict[str, np.ndarray]:
+    """Name -> (n, joints) drives of every signal of `excite` for some seconds, as large as those that were recorded."""
+    record = model.record
+    per, second = record.drives_per_reading, 1.0 / model.machine.to_si["T"]
+    found = signals(model.machine, record.step / per, int(seconds * second / record.step) * per, seed)
+    return {name: np.abs(record.drives).max(axis=0) * shape for name, shape in found.items()}
 
 
 def asked(record: Record, drives: np.ndarray) -> Record:
@@ -105,7 +115,7 @@ class Follower:
         """What is left of readings (n, channels) after a refit; nothing of a hypothesis that diverges."""
         if not np.isfinite(self.run).all():
             return Apart(0.0, 0.0)
-        model = replace(self._weighed.model)
+        model = copy(self._weighed.model)
         model.target = np.where(np.isfinite(model.target), truth, np.nan)
         weighed = replace(self._weighed, model=model)
         return self._of(weighed.vector(model.target - fit(weighed, self._h.fit.free, self._h.fit.x, tolerance=NEAR).reading))

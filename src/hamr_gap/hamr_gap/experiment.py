@@ -14,9 +14,8 @@ from itertools import permutations
 
 import numpy as np
 
-from .apart import Apart, Follower, after, asked, within
+from .apart import Apart, Follower, after, asked, shapes, within
 from .blocks import THROUGHOUT
-from .excite import signals
 from .hypothesis import Hypothesis
 from .prepare import Prepared
 from .weigh import COVERAGE, FLOOR_ERROR, SHARPNESS, least_told
@@ -112,7 +111,7 @@ class _Choice:
 
     def shortest(self) -> Proposal:
         """The shortest run of all signals that decides, the more decided of two as short."""
-        runs = {name: self._foreseen(name) for name in self._shapes(TRIED_S)}
+        runs = {name: self._foreseen(drives) for name, drives in shapes(self._prepared.weighed.model, TRIED_S, self._seed).items()}
         count = self._prepared.weighed.sigma.size * TRIED_S * self._second / self._prepared.weighed.model.reading_step
         d_prime = {name: float(np.sqrt(count * min(pair.apart.run for pair in run.pairs))) for name, run in runs.items()}
         earnest, looks, waiting = set(), 0, []
@@ -150,16 +149,9 @@ class _Choice:
                 heapq.heappush(waiting, (float(seconds), -odds, name))
                 break
 
-    def _shapes(self, seconds: float) -> dict[str, np.ndarray]:
-        """Name -> (n, joints) signal, of 1 at most, as long."""
-        model = self._prepared.weighed.model
-        per = model.record.drives_per_reading
-        count = int(seconds * self._second / model.record.step) * per
-        return signals(model.machine, model.record.step / per, count, self._seed)
-
-    def _foreseen(self, name: str) -> _Run:
+    def _foreseen(self, drives: np.ndarray) -> _Run:
         """A signal tried, linearly."""
-        drives, base, followers = self._played(name, TRIED_S)
+        drives, base, followers = self._played(drives)
         return _Run(TRIED_S, drives, [
             _Pair(right, wrong, base.foreseen(right.run), _least(form.foreseen(right.run) for form in wrong))
             for (right, *_), wrong in permutations(followers, 2)
@@ -167,15 +159,14 @@ class _Choice:
 
     def _longer(self, name: str, seconds: float, known: _Run) -> _Run:
         """A signal for longer, taken to show as much in each second."""
-        drives, _, followers = self._played(name, seconds)
+        drives, _, followers = self._played(shapes(self._prepared.weighed.model, seconds, self._seed)[name])
         pairs = zip(permutations(followers, 2), known.pairs, strict=True)
         return _Run(seconds, drives, [replace(pair, right=right, wrong=wrong) for ((right, *_), wrong), pair in pairs])
 
-    def _played(self, name: str, seconds: float) -> tuple[np.ndarray, Follower, list[list[Follower]]]:
-        """The drives of a signal, and what follows under them: the re-tuned model, and each form of each name."""
+    def _played(self, drives: np.ndarray) -> tuple[np.ndarray, Follower, list[list[Follower]]]:
+        """Drives, smaller if need be, and what follows under them: the re-tuned model, and each form of each name."""
         prepared, record = self._prepared, self._prepared.weighed.model.record
-        limit = np.abs(record.drives).max(axis=0)
-        drives = within(prepared.weighed.model, limit * self._shapes(seconds)[name], *(forms[0] for forms in self._rivals))
+        drives = within(prepared.weighed.model, drives, *(forms[0] for forms in self._rivals))
         both = after(prepared, run := asked(record, drives))
         own = len(both.model.target) - len(run) // both.model.mean
         return drives, Follower(both, own, prepared.base), [[Follower(both, own, h) for h in forms] for forms in self._rivals]

@@ -20,7 +20,7 @@ from .weighed import Weighed
 FINEST = 16  # steps per sample, at most
 ENOUGH = 0.2  # of the noise: what halving the step may move
 SMALL = 0.1  # of what the re-tune leaves beyond the noise: the same, or it would pass for some of what is missing
-FAINT = 0.5  # of the noise of a reading: less than that is left by chance
+CHANCE = 0.5  # of the noise of a reading: less than that is left by chance
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def _gaps(x: np.ndarray, part: np.ndarray) -> np.ndarray:
 
 def _enough(weighed: Weighed, found: Fit) -> float:
     """What halving the step may move, in units of a sample's noise."""
-    beyond = np.sqrt(max(float(np.mean(weighed.missed(found.reading) ** 2)) - 1.0, FAINT**2) / weighed.model.mean)
+    beyond = np.sqrt(max(float(np.mean(weighed.missed(found.reading) ** 2)) - 1.0, CHANCE**2) / weighed.model.mean)
     return min(ENOUGH, SMALL * beyond)
 
 

@@ -24,7 +24,7 @@ SINGLES = 10  # names fitted for good
 ALL_FORMS = 3  # of these, in all their forms
 GIVEN = 4  # names that the model as given likes best, fitted besides
 EARNED = 1.01  # by how much each further parameter of a form must lower what is left
-AS_WELL = 1.03  # times what one form leaves, that another may leave to do about as well
+AS_WELL, RIVAL_FORMS = 1.03, 3  # times what one form leaves, that others may leave to do about as well, and how many with it
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
@@ -78,8 +78,11 @@ class Search:
 
     def forms_of(self, h: Hypothesis) -> list[Hypothesis]:
         """A hypothesis, and the other forms of its name that do about as well; the best first of these."""
-        others = {o.effects: o for o in sorted(self.tried, key=lambda o: -o.left) if o.names == h.names and o.left < AS_WELL * h.left}
-        return [h, *(o for o in reversed(others.values()) if o.effects != h.effects)][:ALL_FORMS]
+        best = {h.effects: h}
+        for other in sorted(self.tried, key=lambda o: o.left):
+            if other.names == h.names and other.left < AS_WELL * h.left:
+                best.setdefault(other.effects, other)
+        return list(best.values())[:RIVAL_FORMS]
 
 
 def _simplest(forms: Sequence[Hypothesis]) -> Hypothesis:

@@ -16,8 +16,7 @@ import numpy as np
 
 from hidden_gap.case import JOINTS, LEG, Case
 
-from ..apart import Follower, after, within
-from ..excite import signals
+from ..apart import Follower, after, shapes, within
 from ..experiment import LENGTHS_S
 from ..hypothesis import Hypothesis
 from ..legs import record_of
@@ -25,16 +24,12 @@ from ..threads import use
 from ..weighed import Weighed
 from .cases import case_of, samples_of
 from .ideal import fits_of, noise_free, truth_of
-from .score import scored
+from .score import kept_in, scored
 from .second import played
 
 PLAYED_S = 8.0  # of each signal; a longer run shows as much in each second
+WAY = "decidable"  # of what is kept beside verdicts
 FORMS = 3  # of each name that are refitted
-
-
-def folder_of(out: Path, verdicts: str) -> Path:
-    """Where it lies, which belongs to a verdict."""
-    return out / f"{verdicts}_decidable"
 
 
 def decidable(case: Case, rivals: Sequence[frozenset]) -> dict[str, float]:
@@ -47,12 +42,10 @@ def decidable(case: Case, rivals: Sequence[frozenset]) -> dict[str, float]:
     weighed = prepared.weighed
     model, first = weighed.model, weighed.model.record
     prepared = replace(prepared, weighed=replace(weighed, sigma=noise / np.sqrt(model.mean)))
-    own, *others = ([*sorted(fits_of(prepared, state, names), key=lambda h: h.left)][:FORMS] for names in (truth_of(case), *rivals))
-    step = first.step / first.drives_per_reading
-    shapes = signals(model.machine, step, int(PLAYED_S / model.machine.to_si["T"] / first.step) * first.drives_per_reading)
+    own, *others = (sorted(fits_of(prepared, state, names), key=lambda h: h.left)[:FORMS] for names in (truth_of(case), *rivals))
     found = {}
-    for name, shape in shapes.items():
-        drives = within(model, np.abs(first.drives).max(axis=0) * shape, *(forms[0] for forms in (own, *others)))
+    for name, largest in shapes(model, PLAYED_S).items():
+        drives = within(model, largest, *(forms[0] for forms in (own, *others)))
         truth, volts = played(case, first, drives)
         both = after(prepared, record_of(samples_of(case, truth, truth, volts), LEG, JOINTS))
         right, *wrong = (min(_squares(both, len(model.target), h) for h in forms) for forms in (own, *others))
@@ -74,7 +67,7 @@ def main(out: Path, verdicts: str, name: int) -> None:
         frozenset((family, tuple(JOINTS.index(j) for j in joints)) for family, joints in names)
         for names in said.answers if names and names != said.truth
     ]  # fmt: skip
-    folder = folder_of(out, verdicts)
+    folder = kept_in(out, verdicts, WAY)
     folder.mkdir(exist_ok=True)
     (folder / f"{name}.json").write_text(json.dumps(decidable(case_of(out / "answers" / f"{name}.json"), rivals)))
 

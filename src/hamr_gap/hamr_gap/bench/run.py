@@ -68,7 +68,7 @@ def bench(
         _each(workers, "ideal", [[str(out), str(name)] for name in legs if not (out / "ideals" / f"{name}.json").exists()])
     done = [score.scored(out, name, verdicts) for name in names if (out / verdicts / f"{name}.json").exists()]
     if ideals:
-        unsure = [c.name for c in told.unsure(done) if not (decidable.folder_of(out, verdicts) / f"{c.name}.json").exists()]
+        unsure = [c.name for c in told.unsure(done) if not (score.kept_in(out, verdicts, decidable.WAY) / f"{c.name}.json").exists()]
         _each(workers, "decidable", [[str(out), verdicts, str(name)] for name in unsure])
     listing.write(out / f"{verdicts}.csv", done)
     return dict([*score.table(done), *told.rows(out, done, verdicts)])

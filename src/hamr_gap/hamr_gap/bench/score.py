@@ -47,7 +47,7 @@ class Scored:
 
 
 def kept_in(out: Path, verdicts: str, way: str) -> Path:
-    """Where verdicts lie about the same cases from other runs: "second" (with the experiment asked for), "noise", "half"."""
+    """Where lies what belongs to verdicts: others about the same cases ("second", with the run asked for, "noise", "half"), "decidable"."""
     return out / f"{verdicts}_{way}"
 
 

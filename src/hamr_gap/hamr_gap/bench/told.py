@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ..weigh import DECIDES, within
-from .decidable import folder_of
+from . import decidable
 from .other import WAYS
 from .rates import rate
 from .score import GROUND, Scored, kept_in, names, scored, share
@@ -23,7 +23,7 @@ def rows(out: Path, cases: Sequence[Scored], verdicts: str) -> list[tuple[str, s
     blurred = [c for c in known if len(rivals[c.name]) > 1]
     again = [(a, b) for a, b in _pairs(out, cases, verdicts, "second") if a.covered]
     noise, half = (_pairs(out, cases, verdicts, way) for way in WAYS)
-    shown = [(c, path) for c in unsure(cases) if (path := folder_of(out, verdicts) / f"{c.name}.json").exists()]
+    shown = [(c, path) for c in unsure(cases) if (path := kept_in(out, verdicts, decidable.WAY) / f"{c.name}.json").exists()]
     apart = [(c, max(json.loads(path.read_text()).values()) >= TOLD_APART) for c, path in shown]
     told_apart, not_told = ([c for c, yes in apart if yes == wanted] for wanted in (True, False))
     settled = {a.name for a, b in again if b.verdict == "named" and b.exact}
