@@ -103,6 +103,7 @@ def test_forms_of_a_name_are_the_best_of_each_that_do_about_as_well(proposed):
     tried = [replace(fits[0], effects=(forms[k],), left=x) for k, x in left]
     state = Search(prepared.weighed, prepared.base, None, 100, [*tried, replace(fits[1], left=0.9)])
     assert state.forms_of(tried[4]) == [tried[4], tried[1], tried[5]]
+    assert replace(state, tried=tried[1:3]).forms_of(tried[4]) == [tried[4], tried[1]]
 
 
 def test_a_record_that_begins_in_motion_is_not_followed_by_the_run(proposed):
