@@ -89,7 +89,9 @@ def test_nothing_tells_a_name_from_itself(proposed):
     assert max(same.odds.values()) < 1e-6
 
 
-@pytest.mark.parametrize(("shown", "asked_for"), [(Apart(0.0, 0.0), False), (Apart(0.025, 0.025, 1.0), False), (Apart(0.025, 0.025, 9.0), True)])
+@pytest.mark.parametrize(
+    ("shown", "asked_for"), [(Apart(0.0, 0.0), False), (Apart(0.025, 0.025, 1.0), False), (Apart(0.025, 0.025, 9.0), True)]
+)
 def test_a_run_is_asked_for_if_a_refit_says_that_it_decides_throughout(proposed, monkeypatch, shown, asked_for):
     """Whatever the linear picture says: of what is less than the error of the noise, and not seen throughout, nothing is believed."""
     _, prepared, fits, proposal = proposed
