@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,8 @@ from hamr_gap import plants
 from hamr_gap.analyse import analyse
 from hamr_gap.clock import Clock
 from hamr_gap.columns import record_of
-from hamr_gap.record import joined
+from hamr_gap.pieces import pieces_of
+from hamr_gap.record import Record, joined
 
 STEP = 0.01
 MODEL = """
@@ -85,6 +88,32 @@ def test_tables_of_one_run_share_a_step(tmp_path, monkeypatch):
     for start, stop in record.stretches:
         first = jittered(500, 0.2, int(start > 0))[0]
         assert record.readings[start:stop] == pytest.approx(wave(first + record.step * np.arange(stop - start)), abs=2e-3)
+
+
+def test_tables_whose_clocks_differ_a_little_share_a_step(tmp_path):
+    """Each even by itself, but 0.03 % apart; at half the rate they are no tables of one run."""
+    for name, step in (("one", STEP), ("two", 1.0003 * STEP), ("slow", 2.0 * STEP)):
+        time = step * np.arange(2000)
+        np.savez(tmp_path / f"{name}.npz", time=time, drive=wave(time)[:, 0], joint=wave(time)[:, 0])
+    machine = linear_machine("slide", inertia=1.0)
+    first = record_of(machine, tmp_path / "one.npz")
+    second, slow = (record_of(machine, tmp_path / f"{name}.npz", step=first.step) for name in ("two", "slow"))
+    both = joined([first, second])
+    assert second.step == first.step == pytest.approx(STEP) and second.uneven == pytest.approx(3e-4)
+    assert both.readings[2000:] == pytest.approx(wave(STEP * np.arange(len(both) - 2000)), abs=1e-3)
+    with pytest.raises(BagError, match="same time step"):
+        joined([first, slow])
+
+
+def test_a_clock_that_stutters_at_its_start_is_used_from_where_it_runs(tmp_path):
+    """Its first rows are stretches of a sample or two, of which no piece can be made."""
+    time = np.r_[0.0, 0.017, 0.034, 0.044, 0.07 + STEP * np.arange(1500)]
+    drive = wave(time)
+    record = Record(drive, wave(time), STEP, ("joint",), rest=False, breaks=Clock.of(time, "here").breaks)
+    pieces = pieces_of(linear_machine("slide", inertia=1.0), record, 1)
+    assert pieces.first.min() >= 4 and (pieces.stop - pieces.first >= 40).all() and len(pieces) > 10
+    with pytest.raises(BagError, match="At most 40 samples follow each other"):
+        pieces_of(linear_machine("slide", inertia=1.0), replace(record, breaks=tuple(range(40, 1504, 40))), 1)
 
 
 def test_a_drive_must_be_known_at_uneven_times_too(tmp_path):

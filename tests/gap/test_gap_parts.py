@@ -26,7 +26,7 @@ from hamr_gap.prepare import prepare
 from hamr_gap.progress import side_by_side
 from hamr_gap.table import fit_table
 from hamr_gap.together import together
-from hamr_gap.words import sentences
+from hamr_gap.words import HEADLINES, sentences
 
 STEP = 1e-3
 HZ = 4000
@@ -130,6 +130,18 @@ def test_of_an_unknown_law_what_comes_nearest_is_said():
     nearest = "What comes nearest at arm: lag leaves 50 % of the gap; lag + drag leaves 40 % of the gap."
     assert nearest in sentences(found)
     assert nearest not in sentences(found | {"machines": {"arm": own | {"verdict": "named"}}})
+
+
+@pytest.mark.parametrize(("retuned", "told"), [(1.2, False), (4.0, True)])
+def test_what_no_name_explains_surely_is_said_too(retuned, told):
+    """A pendulum that was moved by hand left 49 times the noise, and was told that no effect was missing."""
+    own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": retuned, "floor": 1.0}, "detectable": {}}
+    own |= {"tried": [{"effects": "drag", "count": 1, "left": 0.9}]}
+    found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "refused": {}, "experiment": None}
+    said = sentences(found)
+    assert ("4.0 times the noise at arm" in said[0]) == told
+    assert ("What comes nearest at arm: drag leaves 90 % of the gap." in said) == told
+    assert (said[0] == HEADLINES["parameters_only"]) == (not told)
 
 
 def test_legs_answer_together_and_the_least_certain_one_sets_the_tone():

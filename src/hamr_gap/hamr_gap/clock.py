@@ -14,6 +14,7 @@ from .resample import between
 
 EVEN = 0.02  # of a step: a clock's noise
 MOST = 0.125  # of a step, rms: more is no clock at all
+OTHER = 0.1  # of a step: two tables that differ by more were sampled at different rates
 GAP = 0.5  # of a step more or less than one: the record breaks there
 
 
@@ -36,7 +37,7 @@ class Clock:
         """Of (n,) T in a table.
 
         Args:
-            step: T between even times, where these are uneven; what is usual between them if not given.
+            step: T between even times, where these are uneven or nearly that far apart; what is usual between them if not given.
 
         Raises:
             BagError: a time is missing, they do not rise, or are so uneven that nobody knows the step; one sentence.
@@ -53,8 +54,10 @@ class Clock:
             raise BagError(f"The times in {where} are uneven by {100 * inside.max():.0f} % of a step; resample them to even ones.")
         lengths = [(time[b - 1] - time[a], b - 1 - a) for a, b in pairwise((0, *breaks, len(time)))]
         own = float(sum(t for t, _ in lengths) / max(1, sum(n for _, n in lengths)))
-        even = inside.max() <= EVEN
-        return cls(time, own if even or step is None else step, breaks, 0.0 if even else float(inside.max()))
+        off = abs(own / step - 1.0) if step else 0.0  # from the step of another table: a clock of its own, or a rate of its own
+        if inside.max() <= EVEN and (off * len(time) <= EVEN or off > OTHER):
+            return cls(time, own, breaks, 0.0)
+        return cls(time, step or own, breaks, max(float(inside.max()), off))
 
     def evened(self, drives: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
         """(m, joints) and (m, channels) of (n, joints) and (n, channels) at even times from the first row of each stretch on, and its

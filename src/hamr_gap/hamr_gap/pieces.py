@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hamr_description.errors import BagError
 from hamr_dynamics.machine import Machine
 
 from .motion import coordinates, measured_by
@@ -56,6 +57,9 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
 
     Args:
         mean: samples averaged into one reading. length: T of a piece if the machine is not to choose.
+
+    Raises:
+        BagError: no stretch is long enough.
     """
     slow, swing, second = _memory(machine)
     forgotten = not length and slow <= FORGETS * record.span and record.driven.any()
@@ -66,9 +70,10 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     elif not length:
         least, many = FEWEST * mean * record.step, FEW if swing else MANY
         length = np.clip(slow if swing else second, least, max(record.span / many, least))
-    shortest = min(stop - start for start, stop in record.stretches) // mean
+    stretches = _long(record, mean)
+    shortest = min(stop - start for start, stop in stretches) // mean
     readings = max(1, min(round(length / (record.step * mean)), int(shortest / (1.0 + RUN_IN))))
-    parts = [part for start, stop in record.stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
+    parts = [part for start, stop in stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
     first, stop, lead = np.array(parts, int).reshape(-1, 3).T
     still = record.rest & np.isin(first, [-(-start // mean) for start, _ in record.stretches])
     known = forgotten | still | (measured(machine, record, first * mean) & measured(machine, record, (first - lead) * mean))
@@ -76,6 +81,15 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
         first, stop, lead, still = first[known], stop[known], lead[known], still[known]
     before, start = (np.where(still[:, None], 0.0, moving(machine, record, at * mean)) for at in (first - lead, first))
     return Pieces(first, stop, lead, before, start, forgotten)
+
+
+def _long(record: Record, mean: int) -> list[tuple[int, int]]:
+    """Stretches of which a piece can be made: a clock that stutters at its start leaves some of a sample or two."""
+    least = FEWEST * mean * (1.0 + RUN_IN)
+    if not (found := [(start, stop) for start, stop in record.stretches if stop - start >= least]):
+        most = max(stop - start for start, stop in record.stretches)
+        raise BagError(f"At most {most} samples follow each other without a gap, and {least:.0f} are needed; record without gaps.")
+    return found
 
 
 def telling(machine: Machine) -> float:

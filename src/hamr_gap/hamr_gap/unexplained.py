@@ -15,7 +15,7 @@ from .weighed import Weighed
 
 SHARED = 1.0  # rms in noise of a sample, that both sensors of a joint must show
 OFTEN = 0.2  # of the blocks, in which they must: a hit that the model has a little late is no law
-#: Rms in noise of a reading, that one sensor must show in half of the blocks: no coloured noise is so much larger than its white part.
+#: Rms in noise of a reading, that one sensor must show as often: no coloured noise is so much larger than its white part.
 ALONE = 10.0
 
 
@@ -23,7 +23,7 @@ def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
     """Whether both sensors of a joint show the same beside a fit; where no joint has two, whether they show far more than noise."""
     both = shared(weighed, judged, found)
     if not len(both):
-        return float(np.median(left_of(weighed, judged, found.reading)[1])) > ALONE**2
+        return bool(np.quantile(left_of(weighed, judged, found.reading)[1], 1.0 - OFTEN) > ALONE**2)
     surely = both.mean() > THROUGHOUT * both.std(ddof=1) / np.sqrt(len(both))
     return bool(surely and np.quantile(both, 1.0 - OFTEN) > weighed.model.mean * SHARED**2)
 

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from .table import TABLE
 
 COMMON = ("coulomb_friction", "cubic_stiffness", "backlash", "drive_lag")  # whose smallest visible size is said
+OVER = 1.5  # times the noise: as much may have a cause, though none was found
+UNNAMED = ("no_significant_gap", "parameters_only")
 MOST = 3  # answers, and parameters of each effect, that are said
 HEADLINES = {
     "no_significant_gap": "No significant gap: the model explains these data to within their noise.",
@@ -19,7 +21,7 @@ HEADLINES = {
 
 def sentences(found: Mapping) -> list[str]:
     """What `verdict.json` says, most important first."""
-    said = [HEADLINES[found["verdict"]]]
+    said = [HEADLINES[found["verdict"]]] if found["set"] or not (over := _over(found)) else [over]
     for i, answer in enumerate(found["set"][:MOST]):
         start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
@@ -46,8 +48,19 @@ def sentences(found: Mapping) -> list[str]:
     return said
 
 
+def _over(found: Mapping) -> str:
+    """What is said where no name was found, but far more than noise is left; empty if not."""
+    times = {name: own["gap"]["retuned"] / own["gap"]["floor"] for name, own in found["machines"].items() if _unsaid(own)}
+    left = ", ".join(f"{x:.1f} times the noise at {name}" for name, x in times.items())
+    return f"No effect is surely missing, but something is not explained: the re-tuned model leaves {left}." if left else ""
+
+
+def _unsaid(own: Mapping) -> bool:
+    return own["verdict"] in UNNAMED and own["gap"]["retuned"] > OVER * own["gap"]["floor"]
+
+
 def _lacks(own: Mapping) -> bool:
-    return own["verdict"] == "unknown" and bool(own["tried"])
+    return bool(own["tried"]) and (own["verdict"] == "unknown" or _unsaid(own))
 
 
 def _nearest(tried: Sequence[Mapping]) -> str:
