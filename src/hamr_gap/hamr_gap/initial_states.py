@@ -58,6 +58,24 @@ class InitialStates:
         return np.where(self.known[: y.shape[-2]], left * self.sigma, y)
 
 
+def growth(model: Model, row: np.ndarray) -> np.ndarray:
+    """(S joints,) how many times as far apart readings are in the last quarter of each piece as in its first, from another start.
+
+    One for a machine without a spring, less for one that forgets, and far more for one that tips over.
+
+    Args:
+        row: (rows,) lane parameters.
+    """
+    plain, found = model.run_rows(row[None])[0], []
+    for joint in range(len(model.machine.joints)):
+        apart = np.abs(_moved(model, joint, SMALL * model.scales.coordinate).run_rows(row[None])[0] - plain)
+        for first, stop in zip(model.pieces.first, model.pieces.stop, strict=True):
+            quarter = (stop - first) // 4
+            begun, ended = (np.sqrt(np.mean(apart[a : a + quarter] ** 2)) for a in (first, stop - quarter))
+            found.append(ended / begun if begun > 0.0 else 1.0)
+    return np.array(found)
+
+
 def _moved(model: Model, which: int, by: float) -> Model:
     """The same with one coordinate or rate of every start moved."""
     other, start = copy(model), model.pieces.start.copy()

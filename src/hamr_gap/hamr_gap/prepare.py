@@ -44,11 +44,13 @@ class Prepared:
     shortened: bool
 
 
-def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None, whole: bool = False) -> Prepared:
+def prepare(
+    machine: Machine, record: Record, *, noise: np.ndarray | None = None, whole: bool = False, held: bool | None = None
+) -> Prepared:
     """Checks a record, chooses step and rate, and re-tunes the model fairly.
 
     Args:
-        noise: (channels,) standard deviation of a sample's noise, if known; estimated otherwise. whole: as of `tune`.
+        noise: (channels,) standard deviation of a sample's noise, if known; estimated otherwise. whole, held: as of `tune`.
 
     Raises:
         BagError: constant drives or readings, too little data; one sentence.
@@ -56,7 +58,7 @@ def prepare(machine: Machine, record: Record, *, noise: np.ndarray | None = None
     _check(machine, record)
     given, record = record, fresh(record)
     noise = noise_of(record.readings) if noise is None else noise
-    tuned = tune(machine, record, noise, whole=whole)
+    tuned = tune(machine, record, noise, whole=whole, held=held)
     weighed, found, roles = tuned.weighed, tuned.fit, tuned.roles
     model, substeps = weighed.model, weighed.model.substeps
     while (numerical := _moves(weighed, found)) > _enough(weighed, found) and substeps * 2 <= FINEST:

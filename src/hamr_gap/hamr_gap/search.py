@@ -113,12 +113,12 @@ def search(
     state.tried += at_both(weighed, judged, state.tried)
     if state.best.left - noise_floor(weighed, state.best) > state.enough:
         state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
-    late = state.best.fit.sensors.shift
+    lone = sorted((h for h in state.tried if len(h.effects) == 1), key=lambda h: h.left)[:LED]  # what is known may be more than one
+    late = lone[0].fit.sensors.shift
     if state.best.effects and not timed and weighed.model.pieces is None and abs(late) > LATE * weighed.model.reading_step:
         weighed = weighed.on_time(weighed.model.delay + late)  # what looked like late clocks without the effect
-        return search(weighed, judged, without(weighed, judged, state.best, state.best.effects[0]), report, known=known, timed=True)
-    best = sorted(state.tried, key=lambda h: h.left)[:LED]
-    led = min((without(weighed, judged, h, h.effects[0]) for h in best), key=lambda h: h.fit.cost)
+        return search(weighed, judged, without(weighed, judged, lone[0], lone[0].effects[0]), report, known=known, timed=True)
+    led = min((without(weighed, judged, h, h.effects[0]) for h in lone), key=lambda h: h.fit.cost)
     if led.fit.cost < BETTER * base.fit.cost:  # what an effect's fit passed on the way was a better re-tune
         return search(weighed, judged, led, report, known=known, timed=timed)
     for size in range(2, LARGEST + 1):

@@ -9,10 +9,10 @@ import numpy as np
 from hamr_dynamics.machine import Machine
 
 from .fit import ROUGH, Fit, fit
-from .initial_states import InitialStates
+from .initial_states import InitialStates, growth
 from .model import BAND, Model
 from .parameters import changes
-from .pieces import MANY, telling
+from .pieces import FEWEST, MANY, telling
 from .record import Record
 from .roles import Roles, mask, roles_of
 from .scales import scales_of
@@ -20,6 +20,8 @@ from .weighed import Weighed
 
 HELD = 1.2  # by how much less must be left of a drive held between samples, where the driver is known to be faster than that
 ASTRAY = 0.2  # of a sensor's motion: a re-tuned free run that is off by more, from an unknown start, is lost, and shorter ones serve
+GROWS = 4.0  # times as far apart, from the first to the last quarter of a piece, that starts may lead: a fit by derivatives is lost beyond
+FEW = 0.1  # of the pieces, in which they may
 TRUST = 0.01  # of what a model leaves: no reading is weighed as if better than that, or no prior would count beside an error of the model
 
 
@@ -39,28 +41,58 @@ class Tuned:
         return self.weighed.missed(self.fit.reading) * self.weighed.sigma
 
 
-def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = False) -> Tuned:
+def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = False, held: bool | None = None) -> Tuned:
     """The re-tuned model that leaves least; in short pieces where free runs go astray, or where those lead a free run to a better fit.
 
     Args:
         noise: (channels,) standard deviation of a sample's noise. whole: whether runs stay as long as they are, astray or not.
+        held: whether drives hold between samples; None: whichever leaves less.
 
     Raises:
         BagError: the record is too short, or the model diverges.
     """
-    best = _held_or_smooth(machine, record, noise)
+    best = _held_or_smooth(machine, record, noise, held)
     free = not record.rest and not best.weighed.model.starts
     if free and not whole and (best.rms > ASTRAY * np.nanstd(record.readings, axis=0)).any():
-        best = replace(_held_or_smooth(machine, record, noise, min(telling(machine), record.span / MANY)), shortened=True)
+        best = replace(_held_or_smooth(machine, record, noise, held, min(telling(machine), record.span / MANY)), shortened=True)
+    if not whole:
+        best = _halved(machine, record, noise, held, best)
     if best.weighed.model.pieces is None and best.weighed.missed(best.fit.reading).max() > ROUGH:
         best = _led_by_pieces(best)
     return best
 
 
-def _held_or_smooth(machine: Machine, record: Record, noise: np.ndarray, piece: float = 0.0) -> Tuned:
+def _halved(machine: Machine, record: Record, noise: np.ndarray, held: bool | None, best: Tuned) -> Tuned:
+    """The re-tuned model in shorter and shorter pieces while it goes astray in them, or what differs a little at their start does: one
+    that tips over is soon lost."""
+    while (pieces := best.weighed.model.pieces) is not None and not pieces.forgotten and (_astray(best) or _grows(best)):
+        readings = float(np.median(pieces.stop - pieces.first)) / 2.0
+        if readings < FEWEST:
+            break
+        shorter = _held_or_smooth(machine, record, noise, held, readings * best.weighed.model.reading_step)
+        best = replace(shorter, shortened=best.shortened)
+    return best
+
+
+def _grows(tuned: Tuned) -> bool:
+    """Whether other starts of the pieces lead to readings that part, more than they do at the start, in more than a few of them."""
+    model, found = tuned.weighed.model, tuned.fit
+    return bool(np.quantile(growth(model, model.rows(found.free, found.x)[0]), 1.0 - FEW) > GROWS)
+
+
+def _astray(tuned: Tuned) -> bool:
+    """Whether some sensor's readings are off, beyond their noise, by more than a share of what they move within a piece."""
+    model, chosen = tuned.weighed.model, tuned.weighed.chosen.any(1)
+    beyond = np.sqrt(np.maximum(tuned.rms**2 - tuned.weighed.sigma**2, 0.0))
+    parts = [model.target[a:b][chosen[a:b]] for a, b in zip(model.pieces.first, model.pieces.stop, strict=True)]
+    motion = np.sqrt(np.mean([np.nanvar(part, axis=0) for part in parts if len(part)], axis=0))
+    return bool((beyond > ASTRAY * motion).any())
+
+
+def _held_or_smooth(machine: Machine, record: Record, noise: np.ndarray, held: bool | None, piece: float = 0.0) -> Tuned:
     """Between samples a drive was smooth, or held: what fits better was the case."""
     ways = (False, True) if record.drives_per_reading == 1 and record.driven.any() else (True,)
-    tried = [_tuned(machine, replace(record, held=held), noise, piece) for held in ways]
+    tried = [_tuned(machine, replace(record, held=way), noise, piece) for way in (ways if held is None else (held,))]
 
     def surprise(t: Tuned) -> float:
         own = t.weighed.model.record
