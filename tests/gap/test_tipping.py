@@ -43,7 +43,10 @@ def driven(seconds: float, *, friction: float, torque: float, seed: int) -> Reco
     return Record(u[:, None], (seen + NOISE * random.standard_normal(len(u)))[:, None], STEP, ("arm",), held=True, rest=False)
 
 
-@pytest.mark.parametrize(("stiffness", "moved"), [(0.0, np.ones_like), (4.0, lambda t: np.cos(2.0 * t)), (-4.0, lambda t: np.cosh(2.0 * t))])
+WAYS = [(0.0, np.ones_like), (4.0, lambda t: np.cos(2.0 * t)), (-4.0, lambda t: np.cosh(2.0 * t))]
+
+
+@pytest.mark.parametrize(("stiffness", "moved"), WAYS)
 def test_starts_part_as_fast_as_a_linear_machine_says(stiffness, moved):
     """Of a mass they stay as far apart, on a spring they swing, and upside down they part."""
     machine, time = linear_machine("mass", inertia=1.0, stiffness=stiffness), STEP * np.arange(5000)
