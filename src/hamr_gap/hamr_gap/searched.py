@@ -27,12 +27,12 @@ def searched(machine: Machine, record: Record, report: Callable[[str], None]) ->
     round: a model that lacks friction cannot tell, and half a sample would pass for a lag beside it.
     """
     report("re-tune")
-    prepared = prepare(machine, record)
+    prepared, whole = prepare(machine, record), False
     state = search(prepared.weighed, prepared.judged, prepared.base, report)
     if prepared.shortened and (mended := _mended(machine, record, prepared, state)):
-        prepared, known = mended
+        (prepared, known), whole = mended, True
         state = search(prepared.weighed, prepared.judged, prepared.base, report, known=known)
-    if state.best.effects and (mended := _otherwise(machine, record, prepared, state)):
+    if state.best.effects and (mended := _otherwise(machine, record, prepared, state, whole=whole)):
         prepared, known = mended
         state = search(prepared.weighed, prepared.judged, prepared.base, report, known=known)
     return replace(prepared, base=state.base, weighed=state.weighed), state
@@ -50,14 +50,16 @@ def _mended(machine: Machine, record: Record, short: Prepared, state: Search) ->
     return whole, _starts(again)
 
 
-def _otherwise(machine: Machine, record: Record, before: Prepared, state: Search) -> tuple[Prepared, list[Start]] | None:
+def _otherwise(
+    machine: Machine, record: Record, before: Prepared, state: Search, *, whole: bool
+) -> tuple[Prepared, list[Start]] | None:
     """The record with its drive the other way between samples, likewise, if that leaves less throughout. What runs freely needs none of
     that: its clock is shifted in the simulation."""
     used = before.weighed.model
     if used.pieces is None or record.drives_per_reading > 1 or not record.driven.any():
         return None
     try:
-        other = prepare(machine, record, whole=not before.shortened, held=not used.record.held)
+        other = prepare(machine, record, whole=whole, held=not used.record.held)
         if len(other.weighed.model.pieces or ()) != len(used.pieces):
             return None
         again = refined(other.weighed, other.judged, _starts(_by_number(state)))
