@@ -87,8 +87,8 @@ def test_pieces_are_short_where_what_nobody_measured_moves_as_much_as_the_drive(
     random, n = np.random.default_rng(2), int(40.0 / STEP)
     force = sosfilt(butter(2, 2.0, fs=1.0 / STEP, output="sos"), random.standard_normal((2, n)))
     drive, wind = force / force.std(1, keepdims=True)
-    b, a, *_ = cont2discrete(([1.0], [1.0, 0.02, 16.0]), STEP)
+    b, a, *_ = cont2discrete(([1.0], [1.0, 0.4, 16.0]), STEP)
     seen = lfilter(b[0], a, drive + gusts * wind) + 1e-3 * random.standard_normal(n)
     record = Record(drive[:, None], seen[:, None], STEP, ("joint",), held=True, rest=False)
-    prepared = prepare(linear_machine("swing", inertia=1.0, stiffness=16.0, damping=0.02), record)
+    prepared = prepare(linear_machine("swing", inertia=1.0, stiffness=16.0, damping=0.4), record)
     assert least <= len(prepared.weighed.model.pieces) <= most

@@ -54,9 +54,9 @@ def _otherwise(
     machine: Machine, record: Record, before: Prepared, state: Search, *, whole: bool
 ) -> tuple[Prepared, list[Start]] | None:
     """The record with its drive the other way between samples, likewise, if that leaves less throughout. What runs freely needs none of
-    that: its clock is shifted in the simulation."""
+    that: its clock is shifted in the simulation; nor does a driver whose hold is known."""
     used = before.weighed.model
-    if used.pieces is None or record.drives_per_reading > 1 or not record.driven.any():
+    if used.pieces is None or record.hold or record.drives_per_reading > 1 or not record.driven.any():
         return None
     try:
         other = prepare(machine, record, whole=whole, held=not used.record.held)
