@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from hamr_description.errors import BagError
 
+from .record import SAME
 from .resample import between
 
 EVEN = 0.02  # of a step: a clock's noise
@@ -54,10 +55,10 @@ class Clock:
             raise BagError(f"The times in {where} are uneven by {100 * inside.max():.0f} % of a step; resample them to even ones.")
         lengths = [(time[b - 1] - time[a], b - 1 - a) for a, b in pairwise((0, *breaks, len(time)))]
         own = float(sum(t for t, _ in lengths) / max(1, sum(n for _, n in lengths)))
-        off = abs(own / step - 1.0) if step else 0.0  # from the step of another table: a clock of its own, or a rate of its own
-        if inside.max() <= EVEN and (off * len(time) <= EVEN or off > OTHER):
+        apart = abs(own / step - 1.0) if step else 0.0
+        if inside.max() <= EVEN and (apart <= SAME or apart > OTHER):
             return cls(time, own, breaks, 0.0)
-        return cls(time, step or own, breaks, max(float(inside.max()), off))
+        return cls(time, step or own, breaks, max(float(inside.max()), apart))
 
     def evened(self, drives: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
         """(m, joints) and (m, channels) of (n, joints) and (n, channels) at even times from the first row of each stretch on, and its

@@ -12,6 +12,8 @@ from hamr_description.errors import BagError
 
 from .resample import resampled
 
+SAME = 1e-4  # of a step, by which those of two records of one machine may differ
+
 
 @dataclass(frozen=True)
 class Record:
@@ -93,7 +95,7 @@ def joined(records: Sequence[Record]) -> Record:
     """
     first = records[0]
     for other in records[1:]:
-        if other.channels != first.channels or not np.isclose(other.step, first.step, rtol=1e-4):
+        if other.channels != first.channels or not np.isclose(other.step, first.step, rtol=SAME):
             raise BagError("Records of one machine must have the same sensors and the same time step: resample them or leave one out.")
     starts = np.cumsum([0, *(len(r) for r in records)])
     breaks = tuple(int(b + start) for r, start in zip(records, starts, strict=False) for b in (0, *r.breaks) if b + start)

@@ -75,7 +75,7 @@ def poor(prepared: Prepared) -> list[str]:
     stale, uneven = 100 * prepared.stale, 100 * prepared.weighed.model.record.uneven
     said = {
         f"{stale:.2g} % of the samples repeat the one before in every sensor and were left out.": stale,
-        f"Measured at times uneven by up to {uneven:.0f} % of a step: what was used are curves through the samples, at even ones.": uneven,
+        f"Measured at times uneven by up to {uneven:.2g} % of a step: what was used are curves through the samples, at even ones.": uneven,
     }
     return [sentence for sentence, much in said.items() if much]
 
