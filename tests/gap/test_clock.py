@@ -105,7 +105,7 @@ def test_tables_whose_clocks_differ_a_little_share_a_step(tmp_path):
         joined([first, slow])
 
 
-def test_a_clock_that_stutters_at_its_start_is_used_from_where_it_runs(tmp_path):
+def test_a_clock_that_stutters_at_its_start_is_used_from_where_it_runs():
     """Its first rows are stretches of a sample or two, of which no piece can be made."""
     time = np.r_[0.0, 0.017, 0.034, 0.044, 0.07 + STEP * np.arange(1500)]
     drive = wave(time)

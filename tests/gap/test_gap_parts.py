@@ -134,7 +134,7 @@ def test_of_an_unknown_law_what_comes_nearest_is_said():
 
 @pytest.mark.parametrize(("retuned", "told"), [(1.2, False), (4.0, True)])
 def test_what_no_name_explains_surely_is_said_too(retuned, told):
-    """A pendulum that was moved by hand left 49 times the noise, and was told that no effect was missing."""
+    """A swinging arm left 195 times the noise, and was told that no effect was missing."""
     own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": retuned, "floor": 1.0}, "detectable": {}}
     own |= {"tried": [{"effects": "drag", "count": 1, "left": 0.9}]}
     found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "refused": {}, "experiment": None}

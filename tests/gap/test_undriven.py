@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from hanging import hanging
 
 from hamr_description.errors import BagError, ConfigError
 from hamr_dynamics.effects.library import library
-from hamr_dynamics.machine import Machine, Terms
-from hamr_dynamics.scalar import cos, sin
+from hamr_dynamics.machine import Machine
 from hamr_gap.analyse import analyse
 from hamr_gap.candidates import candidates
 from hamr_gap.columns import record_of
@@ -29,12 +29,7 @@ COUNT = 2.0 * math.pi / 40_000  # rad, of the encoder
 
 
 def pendulum() -> Machine:
-    def terms(q, v_mid, v, u) -> Terms:
-        force = u[0] - WEIGHT * sin(q[0]) - DAMPING * v[0]
-        return Terms((INERTIA,), (0.0,), (force,), (WEIGHT * cos(q[0]),), (DAMPING,), (u[0],))
-
-    units = {"F": "N*m", "Q": "rad", "T": "s", "U": "N*m"}
-    return Machine("pendulum", ("arm",), ("arm",), terms, lambda q, slip: (q[0],), units, dict.fromkeys("FQTU", 1.0))
+    return hanging("pendulum", inertia=INERTIA, weight=WEIGHT, damping=DAMPING)
 
 
 def swinging(

@@ -25,11 +25,14 @@ class InitialStates:
     Attributes:
         parts: first and last reading, and an orthonormal basis (readings * channels, r), in units of the noise, of each piece.
         sigma: (channels,) noise. known: (n, channels) where there is a reading.
+        growth: (S, joints) how many times as far apart readings are in the last quarter of each piece as in its first, if a coordinate
+            starts elsewhere: one for a machine without a spring, less for one that forgets, and far more for one that tips over.
     """
 
     parts: tuple[tuple[int, int, np.ndarray], ...]
     sigma: np.ndarray
     known: np.ndarray
+    growth: np.ndarray
 
     @classmethod
     def about(cls, model: Model, row: np.ndarray, sigma: np.ndarray) -> InitialStates | None:
@@ -44,8 +47,9 @@ class InitialStates:
         plain, n = model.run_rows(row[None])[0], model.pieces.start.shape[1]
         moved = np.stack([_moved(model, k, SMALL * usual[2 * k // n]).run_rows(row[None])[0] - plain for k in range(n)], -1)
         moved = np.where(known[..., None] & np.isfinite(moved), moved / sigma[:, None], 0.0)
-        pieces = zip(model.pieces.first, model.pieces.stop, strict=True)
-        return cls(tuple((int(a), int(b), _basis(moved[a:b].reshape(-1, n))) for a, b in pieces), sigma, known)
+        pieces = [(int(a), int(b)) for a, b in zip(model.pieces.first, model.pieces.stop, strict=True)]
+        grown = np.array([_grown(moved[a:b, :, : n // 2]) for a, b in pieces])
+        return cls(tuple((a, b, _basis(moved[a:b].reshape(-1, n))) for a, b in pieces), sigma, known, grown)
 
     def beside(self, y: np.ndarray) -> np.ndarray:
         """Readings or differences of them, (..., n, channels), less what other initial states make of them; n may end early."""
@@ -58,22 +62,11 @@ class InitialStates:
         return np.where(self.known[: y.shape[-2]], left * self.sigma, y)
 
 
-def growth(model: Model, row: np.ndarray) -> np.ndarray:
-    """(S joints,) how many times as far apart readings are in the last quarter of each piece as in its first, from another start.
-
-    One for a machine without a spring, less for one that forgets, and far more for one that tips over.
-
-    Args:
-        row: (rows,) lane parameters.
-    """
-    plain, found = model.run_rows(row[None])[0], []
-    for joint in range(len(model.machine.joints)):
-        apart = np.abs(_moved(model, joint, SMALL * model.scales.coordinate).run_rows(row[None])[0] - plain)
-        for first, stop in zip(model.pieces.first, model.pieces.stop, strict=True):
-            quarter = (stop - first) // 4
-            begun, ended = (np.sqrt(np.mean(apart[a : a + quarter] ** 2)) for a in (first, stop - quarter))
-            found.append(ended / begun if begun > 0.0 else 1.0)
-    return np.array(found)
+def _grown(moved: np.ndarray) -> np.ndarray:
+    """(k,) rms of columns (m, channels, k) in their last quarter, over that in their first; one if they are nothing there."""
+    quarter = len(moved) // 4
+    begun, ended = (np.sqrt(np.mean(part**2, axis=(0, 1))) for part in (moved[:quarter], moved[len(moved) - quarter :]))
+    return np.divide(ended, begun, out=np.ones_like(ended), where=begun > 0.0)
 
 
 def _moved(model: Model, which: int, by: float) -> Model:

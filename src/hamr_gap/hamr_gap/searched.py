@@ -45,7 +45,7 @@ def _mended(machine: Machine, record: Record, short: Prepared, state: Search) ->
         again = refined(whole.weighed, whole.judged, _starts(_by_number(state)))
     except BagError:  # diverges
         return None
-    if min((_left(whole, h) for h in again), default=np.inf) >= _left(short, state.best):
+    if min((_left(whole, h)[0] for h in again), default=np.inf) >= _left(short, state.best)[0]:
         return None
     return whole, _starts(again)
 
@@ -66,7 +66,7 @@ def _otherwise(
     except BagError:  # diverges
         return None
     both = (before, _by_number(state)), (other, again)
-    here, there = ({len(h.effects): _blocks(prepared, h) for h in found if h.effects} for prepared, found in both)
+    here, there = ({len(h.effects): _left(prepared, h)[1] for h in found if h.effects} for prepared, found in both)
     surely = (t for k in sorted(here.keys() & there.keys()) if abs(t := better(here[k], there[k])) > THROUGHOUT)
     return (other, _starts(again)) if next(surely, 0.0) > 0.0 else None
 
@@ -80,15 +80,7 @@ def _starts(found: Iterable[Hypothesis]) -> list[Start]:
     return [Start(h.effects, h.fit.free, h.fit.x, h.fit.cost) for h in found]
 
 
-def _left(prepared: Prepared, h: Hypothesis) -> float:
-    """Mean square on the judged readings, in units of a sample's noise: what counts as noise of a reading may differ."""
-    return _squares(prepared, h)[0]
-
-
-def _blocks(prepared: Prepared, h: Hypothesis) -> np.ndarray:
-    """(b,) the same of each block."""
-    return _squares(prepared, h)[1]
-
-
-def _squares(prepared: Prepared, h: Hypothesis) -> tuple[float, np.ndarray]:
+def _left(prepared: Prepared, h: Hypothesis) -> tuple[float, np.ndarray]:
+    """Mean square on the judged readings, and (b,) of each block, in units of a sample's noise: what counts as that of a reading may
+    differ."""
     return left_of(replace(prepared.weighed, sigma=prepared.noise), prepared.judged, h.fit.reading)

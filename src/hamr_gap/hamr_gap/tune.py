@@ -9,7 +9,7 @@ import numpy as np
 from hamr_dynamics.machine import Machine
 
 from .fit import ROUGH, Fit, fit
-from .initial_states import InitialStates, growth
+from .initial_states import InitialStates
 from .model import BAND, Model
 from .parameters import changes
 from .pieces import FEWEST, MANY, telling
@@ -65,19 +65,14 @@ def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = F
 def _halved(machine: Machine, record: Record, noise: np.ndarray, held: bool | None, best: Tuned) -> Tuned:
     """The re-tuned model in shorter and shorter pieces while it goes astray in them, or what differs a little at their start does: one
     that tips over is soon lost."""
-    while (pieces := best.weighed.model.pieces) is not None and not pieces.forgotten and (_astray(best) or _grows(best)):
+    while (starts := best.weighed.initial) is not None and (np.quantile(starts.growth, 1.0 - FEW) > GROWS or _astray(best)):
+        pieces = best.weighed.model.pieces
         readings = float(np.median(pieces.stop - pieces.first)) / 2.0
         if readings < FEWEST:
             break
         shorter = _held_or_smooth(machine, record, noise, held, readings * best.weighed.model.reading_step)
         best = replace(shorter, shortened=best.shortened)
     return best
-
-
-def _grows(tuned: Tuned) -> bool:
-    """Whether other starts of the pieces lead to readings that part, more than they do at the start, in more than a few of them."""
-    model, found = tuned.weighed.model, tuned.fit
-    return bool(np.quantile(growth(model, model.rows(found.free, found.x)[0]), 1.0 - FEW) > GROWS)
 
 
 def _astray(tuned: Tuned) -> bool:

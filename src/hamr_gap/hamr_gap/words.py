@@ -21,7 +21,7 @@ HEADLINES = {
 
 def sentences(found: Mapping) -> list[str]:
     """What `verdict.json` says, most important first."""
-    said = [HEADLINES[found["verdict"]]] if found["set"] or not (over := _over(found)) else [over]
+    said = [_headline(found)]
     for i, answer in enumerate(found["set"][:MOST]):
         start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
@@ -48,11 +48,13 @@ def sentences(found: Mapping) -> list[str]:
     return said
 
 
-def _over(found: Mapping) -> str:
-    """What is said where no name was found, but far more than noise is left; empty if not."""
+def _headline(found: Mapping) -> str:
+    """That of the verdict; but where nothing was found, though more than noise is left, how much that is."""
     times = {name: own["gap"]["retuned"] / own["gap"]["floor"] for name, own in found["machines"].items() if _unsaid(own)}
+    if found["set"] or not times:
+        return HEADLINES[found["verdict"]]
     left = ", ".join(f"{x:.1f} times the noise at {name}" for name, x in times.items())
-    return f"No effect is surely missing, but something is not explained: the re-tuned model leaves {left}." if left else ""
+    return f"No effect is surely missing, but something is not explained: the re-tuned model leaves {left}."
 
 
 def _unsaid(own: Mapping) -> bool:
