@@ -13,6 +13,7 @@ from hamr_dynamics.machine import Machine
 
 from .clock import Clock
 from .read_table import read_columns
+from .readings import rounding
 from .record import Record
 from .si import dimension_of, si_of
 
@@ -72,7 +73,8 @@ def record_of(
     clock = Clock.of(column("time"), str(path), step)
     taken = Record(used, read, clock.step, tuple(readings), rest=False, breaks=clock.breaks, uneven=clock.uneven)
     used, read, breaks = clock.evened(taken.drives, taken.readings)
-    return replace(taken, drives=used, readings=read, breaks=breaks)
+    steps = tuple(rounding(x) for x in taken.readings.T) if clock.uneven else ()
+    return replace(taken, drives=used, readings=read, breaks=breaks, rounding=steps)
 
 
 def _is_number(x: object) -> bool:

@@ -92,10 +92,11 @@ def _long(record: Record, mean: int) -> list[tuple[int, int]]:
     return found
 
 
-def telling(machine: Machine) -> float:
-    """T of a piece that is long enough to tell something: four periods of what swings, else twice the slowest decay there is."""
+def telling(machine: Machine, record: Record) -> float:
+    """T of a piece that is long enough to tell something, and short enough for many: four periods of what swings, else twice the
+    slowest decay there is."""
     _, swing, second = _memory(machine)
-    return 4.0 * swing or second
+    return min(4.0 * swing or second, record.span / MANY)
 
 
 def _memory(machine: Machine) -> tuple[float, float, float]:
@@ -144,7 +145,8 @@ def moving(machine: Machine, record: Record, samples: np.ndarray) -> np.ndarray:
     n, q = len(machine.joints), coordinates(machine, record)
     found = np.zeros((len(samples), 2 * n))
     noise = noise_of(q)
-    for j in measured_by(machine, record):  # where nobody looks, at rest is the best guess
+    for j, (c, order) in measured_by(machine, record).items():  # where nobody looks, at rest is the best guess
+        noise[j] = max(noise[j], record.rounding[c] if record.rounding and not order else 0.0)
         for i, at in enumerate(samples):
             start, stop = next((a, b) for a, b in record.stretches if a <= at < b or at == b == len(record))
             found[i, [j, n + j]] = _local(q[start:stop, j], at - start, noise[j], record.step)

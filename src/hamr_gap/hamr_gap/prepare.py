@@ -11,7 +11,7 @@ from hamr_dynamics.machine import Machine
 
 from .fit import Fit, fit
 from .hypothesis import Hypothesis, judge, left_of
-from .readings import fresh, noise_of
+from .readings import fresh, noise_of, sensor_noise
 from .record import Record
 from .roles import Roles, mask
 from .tune import tune
@@ -57,7 +57,7 @@ def prepare(
     """
     _check(machine, record)
     given, record = record, fresh(record)
-    noise = noise_of(record.readings) if noise is None else noise
+    noise = sensor_noise(record) if noise is None else noise
     tuned = tune(machine, record, noise, whole=whole, held=held)
     weighed, found, roles = tuned.weighed, tuned.fit, tuned.roles
     model, substeps = weighed.model, weighed.model.substeps

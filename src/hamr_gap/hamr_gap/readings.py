@@ -32,6 +32,11 @@ def fresh(record: Record) -> Record:
     return replace(record, readings=np.where(np.append(False, same)[:, None], np.nan, record.readings))
 
 
+def sensor_noise(record: Record) -> np.ndarray:
+    """(channels,) standard deviation of a sample's noise, rounding included."""
+    return np.maximum(noise_of(record.readings), record.rounding or 0.0)
+
+
 def noise_of(x: np.ndarray) -> np.ndarray:
     """(channels,) standard deviation of white noise in (n, channels) samples of smooth signals, from differences.
 

@@ -28,6 +28,7 @@ class Record:
         rest: whether the machine was at rest before the first sample of each stretch.
         breaks: indices at which a new stretch begins, recorded at another time.
         uneven: of a step, the most that one of those measured was longer or shorter, where these samples lie between the measured ones.
+        rounding: (channels,) standard deviation of the rounding of these measured ones, which samples between them hide.
     """
 
     drives: np.ndarray
@@ -40,6 +41,7 @@ class Record:
     drives_per_reading: int = 1
     breaks: tuple[int, ...] = ()
     uneven: float = 0.0
+    rounding: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.drives) != len(self.readings) * self.drives_per_reading:
@@ -102,4 +104,5 @@ def joined(records: Sequence[Record]) -> Record:
     return replace(
         first, drives=np.concatenate([r.drives for r in records]), readings=np.concatenate([r.readings for r in records]),
         rest=all(r.rest for r in records), breaks=breaks, uneven=max(r.uneven for r in records),
+        rounding=tuple(max(each) for each in zip(*(r.rounding for r in records if r.rounding), strict=True)),
     )  # fmt: skip

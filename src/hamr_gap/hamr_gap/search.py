@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,10 +25,12 @@ ALL_FORMS = 3  # of these, in all their forms
 GIVEN = 4  # names that the model as given likes best, fitted besides
 EARNED = 1.01  # by how much each further parameter of a form must lower what is left
 AS_WELL, RIVAL_FORMS = 1.03, 3  # times what one form leaves, that others may leave to do about as well, and how many with it
+RIVAL = 4.0  # times what more effects leave, that fewer may leave and be as probable
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
 ASTRAY = 10.0  # times the re-tune's cost, up to which the model as given is worth looking about: beyond, other parameters are what it lacks
+LOST = 0.1  # of a sensor's motion, that a free run must be off by for names to be looked for in short pieces too
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
 LATE = 0.1  # of a reading's step: what an effect moves the clocks' shift by, before all is simulated with the new one
@@ -59,6 +61,12 @@ class Search:
     def best(self) -> Hypothesis:
         """The one that leaves least."""
         return min([self.base, *self.tried], key=lambda h: h.left)
+
+    @property
+    def fewest(self) -> Hypothesis:
+        """The one with fewest effects that may yet be the answer; of as many, the one that leaves least."""
+        alike = (h for h in self.tried if h.left < RIVAL * self.best.left)
+        return min(alike, key=lambda h: (len(h.effects), h.left), default=self.base)
 
     @property
     def enough(self) -> float:
@@ -107,7 +115,7 @@ def search(
     seen = look(weighed, base.fit, everything)
     state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
-    alone, wanted = _alone(weighed, base, seen, everything)
+    alone, wanted = _alone(weighed, judged, base, seen, everything)
     state.tried = sought(weighed, judged, [*wanted, *known])
     state.rough = len(state.tried) > len(wanted) + len(known)
     state.tried += at_both(weighed, judged, state.tried)
@@ -134,14 +142,19 @@ def search(
             break
         _exchange(weighed, judged, state, everything, smaller)
     state.tried += in_its_place(weighed, judged, state.best)
-    state.tried += narrowed(weighed, judged, state.best)  # beside a simpler name others may have nothing left to do
+    whole = state.best
+    state.tried += narrowed(weighed, judged, whole)  # beside a simpler name others may have nothing left to do
+    if (fewest := state.fewest).effects != whole.effects:
+        state.tried += in_its_place(weighed, judged, fewest)
     state.tried += as_narrow(weighed, judged, state.tried)
     with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state
 
 
-def _alone(weighed: Weighed, base: Hypothesis, seen: Screen, everything: Sequence[Candidate]) -> tuple[list[Start], list[Start]]:
+def _alone(
+    weighed: Weighed, judged: np.ndarray, base: Hypothesis, seen: Screen, everything: Sequence[Candidate]
+) -> tuple[list[Start], list[Start]]:
     """Starts of single effects, about the re-tuned model and the one as given, and those to fit for good."""
     found = singles(weighed, base.fit, seen, everything)
     given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
@@ -149,8 +162,22 @@ def _alone(weighed: Weighed, base: Hypothesis, seen: Screen, everything: Sequenc
         found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
     near = promising(found, ALONE)
     wanted = in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
+    wanted += _in_pieces(weighed, judged, base, everything)
     names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
     return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
+
+
+def _in_pieces(weighed: Weighed, judged: np.ndarray, base: Hypothesis, everything: Sequence[Candidate]) -> list[Start]:
+    """Starts of the single effects that short pieces like best, to fit for good where a free run is far from what was measured: about
+    one that is lost nothing is linear."""
+    motion = np.nanstd(weighed.model.target, axis=0) / weighed.sigma
+    seen = replace(weighed, chosen=weighed.chosen | judged)
+    if weighed.model.starts or (seen.missed(base.fit.reading) < LOST * motion).all():
+        return []
+    short = weighed.in_pieces
+    about = fit(short, base.fit.free, base.fit.x)
+    near = promising(singles(short, about, look(short, about, everything), everything), ALONE)
+    return in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
 
 
 def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:
@@ -186,5 +213,6 @@ def with_steps(weighed: Weighed, judged: np.ndarray, state: Search, report: Call
 
 def noise_floor(weighed: Weighed, best: Hypothesis) -> float:
     """Mean square that noise and the simulation's own error leave, from differences of the best hypothesis' residual."""
-    noise = float(np.mean(noise_of(residual(weighed, best.fit)) ** 2))
+    rounding = np.array(weighed.model.record.rounding or 0.0) / (weighed.sigma * np.sqrt(weighed.model.mean))
+    noise = float(np.mean(np.maximum(noise_of(residual(weighed, best.fit)), rounding) ** 2))
     return min(noise + weighed.model.mean * weighed.numerical**2, best.left)

@@ -11,7 +11,7 @@ from hamr_dynamics.machine import Machine
 from .found import STATES, Found
 from .initial_states import InitialStates
 from .model import Model
-from .readings import noise_of
+from .readings import sensor_noise
 from .record import Record
 from .scales import scales_of
 from .si import channel_si
@@ -36,7 +36,7 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
     model = _model(machine, found, record)
     rows = np.stack([found.arrays[f"rows.{state}"] for state in STATES])
     used = found.arrays["report"] if not fresh else _settled(model)
-    noise = noise_of(record.readings) / np.sqrt(model.mean)
+    noise = sensor_noise(record) / np.sqrt(model.mean)
     runs = {
         state: found.sensors(state).read(run, model.reading_step, model.starts)
         for state, run in zip(STATES, model.run_rows(rows), strict=True)

@@ -36,7 +36,7 @@ def sought(
     """
     found = list(found)
     fitted = refined(weighed, judged, found)
-    free = rough and fitted and weighed.model.pieces is None
+    free = rough and fitted and not weighed.model.starts
     if not free or any(weighed.missed(h.fit.reading).max() < ROUGH for h in (*fitted, *known)):
         return fitted
     order = sorted(range(len(found)), key=lambda k: fitted[k].fit.cost)

@@ -12,7 +12,7 @@ from .fit import ROUGH, Fit, fit
 from .initial_states import InitialStates
 from .model import BAND, Model
 from .parameters import changes
-from .pieces import FEWEST, MANY, telling
+from .pieces import FEWEST, telling
 from .record import Record
 from .roles import Roles, mask, roles_of
 from .scales import scales_of
@@ -54,10 +54,10 @@ def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = F
     best = _held_or_smooth(machine, record, noise, held)
     free = not record.rest and not best.weighed.model.starts
     if free and not whole and (best.rms > ASTRAY * np.nanstd(record.readings, axis=0)).any():
-        best = replace(_held_or_smooth(machine, record, noise, held, min(telling(machine), record.span / MANY)), shortened=True)
+        best = replace(_held_or_smooth(machine, record, noise, held, telling(machine, record)), shortened=True)
     if not whole:
         best = _halved(machine, record, noise, held, best)
-    if best.weighed.model.pieces is None and best.weighed.missed(best.fit.reading).max() > ROUGH:
+    if not best.weighed.model.starts and best.weighed.missed(best.fit.reading).max() > ROUGH:
         best = _led_by_pieces(best)
     return best
 

@@ -88,7 +88,7 @@ class Weighed:
     @cached_property
     def in_pieces(self) -> Weighed:
         """The same in short runs, each from a measured start, of what runs freely."""
-        length = telling(self.model.machine)
+        length = telling(self.model.machine, self.model.record)
         model = replace(self.model, piece=length)
         coarse = model if self.coarse is self.model else self.coarse and replace(self.coarse, piece=length)
         return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target), initial=None)
