@@ -1,7 +1,7 @@
 """A servo as people log it: gears that stick under load, an encoder of 4096 counts, a clock that is some per cent uneven.
 
-Its friction is that of Duclusaud et al. (Extended friction models for the physics simulation of servo actuators, ICRA 2025): it grows with the
-load of the gears and near standstill. A model without it is lost within seconds, and about a run that is lost nothing is linear.
+Its friction is that of Duclusaud et al. (Extended friction models for the physics simulation of servo actuators, ICRA 2025): it grows
+with the load of the gears and near standstill. A model without it is lost within seconds, and about a run that is lost nothing is linear.
 """
 
 from __future__ import annotations
