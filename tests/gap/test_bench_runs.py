@@ -9,7 +9,7 @@ import pytest
 
 from hamr_description.errors import ConfigError
 from hamr_dynamics import machine_kernel
-from hamr_gap import search
+from hamr_gap import search, single_effects
 from hamr_gap.bench import ablate, alone
 from hamr_gap.bench.cases import LEG, load, make, number
 from hamr_gap.bench.other import file_of, measure_otherwise
@@ -61,11 +61,11 @@ def test_the_run_that_was_asked_for_is_that_of_the_same_machine(out):
 def test_without_a_step_the_workflow_is_another_and_comes_back(monkeypatch, tmp_path):
     """The step is really out while a case is solved, and in again afterwards."""
     whole, seen = search.narrowed, []
-    monkeypatch.setattr(ablate, "solve", lambda *_: seen.append((search.narrowed, search.ALL_FORMS)))
+    monkeypatch.setattr(ablate, "solve", lambda *_: seen.append((search.narrowed, single_effects.ALL_FORMS)))
     ablate.solve_without("fewer", tmp_path / "answer.json")
     ablate.solve_without("forms", tmp_path / "answer.json")
     assert seen[0][0] is not whole and seen[0][0](None, None, None) == []
-    assert seen[1] == (whole, 0) and search.ALL_FORMS > 0
+    assert seen[1] == (whole, 0) and single_effects.ALL_FORMS > 0
 
 
 @pytest.mark.parametrize("step", ablate.STEPS)

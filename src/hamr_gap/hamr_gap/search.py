@@ -3,34 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from .blocks import THROUGHOUT, better
 from .candidates import candidates
-from .fit import fit
 from .hypothesis import Hypothesis, Start, residual
-from .moves import ALONE, at_both, beside, first_of_each, in_forms, in_other_shapes, look, pairs_of, promising, singles
+from .moves import at_both, beside, in_other_shapes, look, pairs_of
 from .parameters import Candidate
 from .readings import noise_of
 from .screen import Screen
 from .sensor_steps import staircases, with_stairs
 from .simpler import HARMLESS, as_narrow, in_its_place, narrowed, without
+from .single_effects import single_starts
 from .sought import sought
 from .weighed import Weighed
 
-SINGLES = 10  # names fitted for good
-ALL_FORMS = 3  # of these, in all their forms
-GIVEN = 4  # names that the model as given likes best, fitted besides
 EARNED = 1.01  # by how much each further parameter of a form must lower what is left
 AS_WELL, RIVAL_FORMS = 1.03, 3  # times what one form leaves, that others may leave to do about as well, and how many with it
 RIVAL = 4.0  # times what more effects leave, that fewer may leave and be as probable
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
-ASTRAY = 10.0  # times the re-tune's cost, up to which the model as given is worth looking about: beyond, other parameters are what it lacks
-LOST = 0.1  # of a sensor's motion, that a free run must be off by for names to be looked for in short pieces too
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
 LATE = 0.1  # of a reading's step: what an effect moves the clocks' shift by, before all is simulated with the new one
@@ -115,7 +110,7 @@ def search(
     seen = look(weighed, base.fit, everything)
     state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
-    alone, wanted = _alone(weighed, judged, base, seen, everything)
+    alone, wanted = single_starts(weighed, judged, base, seen, everything)
     state.tried = sought(weighed, judged, [*wanted, *known])
     state.rough = len(state.tried) > len(wanted) + len(known)
     state.tried += at_both(weighed, judged, state.tried)
@@ -150,34 +145,6 @@ def search(
     with_steps(weighed, judged, state, report)
     state.floor = noise_floor(weighed, state.best)
     return state
-
-
-def _alone(
-    weighed: Weighed, judged: np.ndarray, base: Hypothesis, seen: Screen, everything: Sequence[Candidate]
-) -> tuple[list[Start], list[Start]]:
-    """Starts of single effects, about the re-tuned model and the one as given, and those to fit for good."""
-    found = singles(weighed, base.fit, seen, everything)
-    given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
-    if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
-        found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
-    near = promising(found, ALONE)
-    wanted = in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
-    wanted += _in_pieces(weighed, judged, base, everything)
-    names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
-    return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
-
-
-def _in_pieces(weighed: Weighed, judged: np.ndarray, base: Hypothesis, everything: Sequence[Candidate]) -> list[Start]:
-    """Starts of the single effects that short pieces like best, to fit for good where a free run is far from what was measured: about
-    one that is lost nothing is linear."""
-    motion = np.nanstd(weighed.model.target, axis=0) / weighed.sigma
-    seen = replace(weighed, chosen=weighed.chosen | judged)
-    if weighed.model.starts or (seen.missed(base.fit.reading) < LOST * motion).all():
-        return []
-    short = weighed.in_pieces
-    about = fit(short, base.fit.free, base.fit.x)
-    near = promising(singles(short, about, look(short, about, everything), everything), ALONE)
-    return in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
 
 
 def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:

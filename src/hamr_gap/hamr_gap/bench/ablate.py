@@ -17,7 +17,7 @@ import tyro
 
 from hamr_description.errors import ConfigError, HamrError
 
-from .. import analyse, descent, moves, prepare, roles, search, sought, tune, weigh, weighed
+from .. import analyse, descent, moves, prepare, roles, search, single_effects, sought, tune, weigh, weighed
 from ..threads import use
 from . import score
 from .cases import path
@@ -35,11 +35,11 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "pairs": ((search, "pairs_of", lambda *_: []),),
     "exchange": ((search, "_exchange", lambda *_: None),),
     "fewer": ((search, "narrowed", lambda *_: []), (search, "in_its_place", lambda *_: [])),
-    "forms": ((search, "ALL_FORMS", 0),),
+    "forms": ((single_effects, "ALL_FORMS", 0),),
     "doubt": ((weighed.Weighed, "doubt", lambda *_: 1.0),),
     "led": ((search, "BETTER", 0.0),),
     "thresholds": tuple((module, "at_both", lambda *_: []) for module in (search, moves)),
-    "given": ((search, "ASTRAY", 0.0),),
+    "given": ((single_effects, "ASTRAY", 0.0),),
     "timed": ((search, "LATE", float("inf")),),
     "coarser": ((descent, "FORESEEN", float("inf")),),
     "beyond": ((descent, "FIRST", np.minimum(descent.FIRST, 1.0)),),
@@ -50,7 +50,7 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "FREER", "CONTAINS")),
     "special": ((weigh, "_special", lambda *_: False),),
     "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False), (analyse, "ALONE", float("inf"))),
-    "pieces": ((sought, "FIRST", 0),),
+    "pieces": ((sought, "FIRST", 0), (single_effects, "LOST", float("inf"))),
 }
 
 
