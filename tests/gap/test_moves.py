@@ -12,8 +12,7 @@ from scipy.signal import lfilter
 
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
-from hamr_gap import search as search_module
-from hamr_gap import threads
+from hamr_gap import single_effects, threads
 from hamr_gap.colour import correlation_time
 from hamr_gap.descent import FIRST
 from hamr_gap.fit import fit
@@ -195,15 +194,14 @@ def test_the_model_as_given_is_looked_about_only_where_the_retune_is_not_far_bet
     """Names that are liked there are fitted in their own order: their starts cost more than those about the re-tune."""
     free = rubbing.base.fit.free
     given = fit(rubbing.weighed, free, np.zeros(len(free)), steps=0)
-    monkeypatch.setattr(search_module, "ASTRAY", given.cost / rubbing.base.fit.cost * (1.01 if near else 0.99))
-    monkeypatch.setattr(search_module, "SINGLES", 1)
-    monkeypatch.setattr(search_module, "candidates", lambda machine, record: [FRICTION, *BESIDE])
-    about, wanted = [], []
-    monkeypatch.setattr(search_module, "look", lambda weighed, fit, *more, **how: (about.append(fit), look(weighed, fit, *more, **how))[1])
-    monkeypatch.setattr(search_module, "sought", lambda weighed, judged, starts: (wanted.extend(starts), 1 / 0))  # no further
-    with pytest.raises(ZeroDivisionError):
-        search_module.search(rubbing.weighed, rubbing.judged, rubbing.base)
-    assert [f.cost for f in about] == [rubbing.base.fit.cost, given.cost][: 1 + near]
+    monkeypatch.setattr(single_effects, "ASTRAY", given.cost / rubbing.base.fit.cost * (1.01 if near else 0.99))
+    monkeypatch.setattr(single_effects, "SINGLES", 1)
+    about = []
+    monkeypatch.setattr(single_effects, "look", lambda weighed, fit, *more, **how: (about.append(fit), look(weighed, fit, *more, **how))[1])
+    everything = [FRICTION, *BESIDE]
+    seen = look(rubbing.weighed, rubbing.base.fit, everything)
+    _, wanted = single_effects.single_starts(rubbing.weighed, rubbing.judged, rubbing.base, seen, everything)
+    assert [f.cost for f in about] == [given.cost] * near
     assert {s.effects[0] for s in wanted} == {FRICTION, *(BESIDE if near else ())}
 
 
