@@ -180,6 +180,5 @@ def with_steps(weighed: Weighed, judged: np.ndarray, state: Search, report: Call
 
 def noise_floor(weighed: Weighed, best: Hypothesis) -> float:
     """Mean square that noise and the simulation's own error leave, from differences of the best hypothesis' residual."""
-    rounding = np.array(weighed.model.record.rounding or 0.0) / (weighed.sigma * np.sqrt(weighed.model.mean))
-    noise = float(np.mean(np.maximum(noise_of(residual(weighed, best.fit)), rounding) ** 2))
+    noise = float(np.mean(noise_of(residual(weighed, best.fit)) ** 2))
     return min(noise + weighed.model.mean * weighed.numerical**2, best.left)
