@@ -17,12 +17,13 @@ from hamr_dynamics.effects.law import Parameter
 
 from .fit import Fit
 from .linear import jacobian
-from .parameters import Candidate, lanes
+from .parameters import Candidate
 from .threads import at_once
 from .weighed import Weighed
 
 BATCH = 48  # lanes at a time
 NEAR = 2.0  # times as large or small a response as wanted, that serves as well
+RESIZED = 3  # times that a size is changed for it: what a machine does in the end grows less than what slows it down
 DIVERGED = 1e9  # in units of the noise: as which larger responses count
 
 
@@ -103,7 +104,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     model, scales, until = weighed.coarse or weighed.model, weighed.model.scales, weighed.until
     plain = model.runs(base.free, base.x, until)[0]
     columns, groups = _columns(candidates, scales)
-    home = lanes(model.machine, model.neutral, base.free, base.x[None])[0]
+    home = model.rows(base.free, base.x)[0]
     index = {name: i for i, name in enumerate(model.machine.parameter_rows)}
     chosen = weighed.chosen[:until]
 
@@ -136,10 +137,11 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
             responses[part] = found
 
     simulate(np.arange(len(columns)))  # at the typical size, then at the size that matters
-    responses[_diverged(responses)] = DIVERGED
-    rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))
-    typical, columns = columns, [_resized(c, amplitude / max(r, 1e-9)) for c, r in zip(columns, rms, strict=True)]
-    simulate(np.array([k for k, (c, old) in enumerate(zip(columns, typical, strict=True)) if c is not old], int))
+    for _ in range(RESIZED):
+        responses[_diverged(responses)] = DIVERGED
+        rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))
+        before, columns = columns, [_resized(c, amplitude / max(r, 1e-9)) for c, r in zip(columns, rms, strict=True)]
+        simulate(np.array([k for k, (c, old) in enumerate(zip(columns, before, strict=True)) if c is not old], int))
     responses[_diverged(responses)] = 0.0
 
     everything = replace(weighed, model=model, chosen=np.ones_like(chosen))
