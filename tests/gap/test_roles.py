@@ -19,7 +19,7 @@ def roles(readings: int, *more: int, rest: bool = False) -> dict[str, np.ndarray
     edges = np.cumsum([0, readings, *more])
     model = SimpleNamespace(
         target=np.zeros((edges[-1], 2)), reading_step=1.0, pieces=None, record=SimpleNamespace(rest=rest),
-        stretches=list(pairwise(edges.tolist())),
+        stretches=list(pairwise(edges.tolist())), begins=False,
     )  # fmt: skip
     return vars_of(roles_of(model, 1e-3))
 
@@ -74,8 +74,8 @@ def test_roles_lie_where_runs_start_from_what_was_measured(rest):
     """Of three stretches two can be run: each role has its share of these, less what an unknown start needs to be forgotten."""
     pieces = Runs(first=np.array([1000, 6000]), stop=np.array([3000, 8000]))
     model = SimpleNamespace(
-        target=np.zeros((9000, 1)), reading_step=1.0, pieces=pieces, record=SimpleNamespace(rest=rest), stretches=[(0, 9000)]
-    )
+        target=np.zeros((9000, 1)), reading_step=1.0, pieces=pieces, record=SimpleNamespace(rest=rest), stretches=[(0, 9000)], begins=False,
+    )  # fmt: skip
     found = vars_of(roles_of(model, 1e-3))
     served = np.flatnonzero(np.any(list(found.values()), axis=0))
     apart = int(DEAD_SHARE * 9000)
@@ -89,6 +89,10 @@ def test_roles_lie_where_runs_start_from_what_was_measured(rest):
 class Runs(SimpleNamespace):
     def __len__(self) -> int:
         return len(self.first)
+
+    @property
+    def parts(self) -> list[tuple[int, int]]:
+        return list(zip(self.first.tolist(), self.stop.tolist(), strict=True))
 
 
 def test_too_short_a_record_says_so():

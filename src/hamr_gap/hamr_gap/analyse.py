@@ -29,6 +29,7 @@ from .where import where
 
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
+SURE = 2.0  # times as much as is significant, is sure without as much on readings that nothing has seen, which may be few
 SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
 SHARE = 0.25  # of a gap, that the best of all names must explain, or the gap has another cause
 NOT_REFUTED = 0.975  # of probability, that answers hold which other machines built alike may speak for
@@ -74,7 +75,8 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     weights = weigh(state, least)
     evidence = _evidence(prepared, state)
     explained = prepared.base.left - state.best.left
-    helped = explained > least and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED
+    confirmed = 0.0 if evidence[0] > SURE * SIGNIFICANT else CONFIRMED
+    helped = explained > least and evidence[0] > SIGNIFICANT and evidence[1] > confirmed
     named = helped and explained > SHARE * (prepared.base.left - state.floor)
     loud = helped and state.best.left > ALONE**2  # names help, though not enough, and no noise leaves so much
     if not named and (loud or structural(prepared.weighed, prepared.judged, prepared.base.fit)):

@@ -35,7 +35,7 @@ class Found:
     Attributes:
         verdict: `verdict.Verdict` as plain values, and `added`: the effects that close the gap (those of the first answer, or a table).
         tried: [{"effects", "count", "left"}], what each name left of the gap, least first.
-        simulation: substeps, mean, held and step of the simulation it rests on.
+        simulation: substeps, mean, held and step of the simulation it rests on, and whether pieces began where it leaves least.
         arrays: `rows.STATE` (R,) lane parameters; `bias.STATE`, `gain.STATE` (C,), `shift.STATE` (); the same of the k-th answer,
             where it has effects, with `.k` behind;
             `report` (n,) readings that nothing has used; `experiment` (m, joints) drives that would decide, if ambiguous.
@@ -169,7 +169,8 @@ def _simulation(analysis: Analysis) -> dict:
     model = analysis.prepared.weighed.model
     record = model.record
     return {
-        "substeps": model.substeps, "mean": model.mean, "held": record.held, "step": record.step, "delay": model.delay, "piece": model.piece
+        "substeps": model.substeps, "mean": model.mean, "held": record.held, "step": record.step, "delay": model.delay,
+        "piece": model.piece, "settled": model.begins,
     }  # fmt: skip
 
 
@@ -183,7 +184,7 @@ def _states(prepared: Prepared, best: Hypothesis) -> dict[str, np.ndarray]:
         "removed": (best.fit.free, np.array([0.0 if f.row in off else v for f, v in zip(best.fit.free, best.fit.x, strict=True)])),
     }  # fmt: skip
     sensors = {"raw": nothing, "retuned": base.sensors, "after": best.fit.sensors, "removed": best.fit.sensors}
-    rows = {state: model.rows(*x[state])[0] for state in STATES}
+    rows = {state: model.rows(*x[state])[0][: len(model.neutral)] for state in STATES}
     return {
         f"{name}.{state}": value for state, s in sensors.items()
         for name, value in (("rows", rows[state]), ("bias", s.bias), ("gain", s.gain), ("shift", np.array(s.shift)))

@@ -19,7 +19,8 @@ from .weighed import Weighed
 STEPS = ((1.0, 1.0), (0.4, 0.4), (0.15, 0.15), (0.0, 0.15))
 SEEN = 0.2  # of its response, that a size with a threshold must show in a solution
 BLOCKS = 24  # of the judged readings, for spread
-FEWEST = 6  # pieces that are blocks of their own
+FEWEST = 6  # pieces that are blocks of their own, and blocks there must be
+MOVES = 3.0  # standard deviations of the noise, by which a sensor's readings vary within a block that tells something
 
 
 @dataclass(frozen=True)
@@ -72,17 +73,21 @@ def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], fo
 
 
 def left_of(weighed: Weighed, judged: np.ndarray, reading: np.ndarray) -> tuple[float, np.ndarray]:
-    """Mean square, in units of the noise, by which readings (n, channels) miss the judged ones: of all, and (b,) of each block."""
+    """Mean square, in units of the noise, by which readings (n, channels) miss the judged ones: of all, and (b,) of each block in which
+    something moves. What stands still tells no law of motion from another."""
     square = np.where(judged, weighed.left(reading) ** 2, np.nan)
     rows = np.flatnonzero(judged.any(1))
-    return float(np.nanmean(square[rows])), np.array([np.nanmean(square[part]) for part in blocks_of(weighed, rows)])
+    blocks = blocks_of(weighed, rows)
+    moves = [bool((np.nanstd(weighed.model.target[part], axis=0) > MOVES * weighed.sigma).any()) for part in blocks]
+    told = [part for part, moving in zip(blocks, moves, strict=True) if moving] if sum(moves) >= FEWEST else blocks
+    return float(np.nanmean(square[rows])), np.array([np.nanmean(square[part]) for part in told])
 
 
 def blocks_of(weighed: Weighed, rows: np.ndarray) -> list[np.ndarray]:
     """Judged readings in blocks: what starts anew together belongs together, where there are enough of them."""
     own = np.searchsorted(weighed.model.starts, rows, side="right")
     each = [rows[own == k] for k in np.unique(own)]
-    return each if len(each) >= FEWEST else np.array_split(rows, BLOCKS)
+    return each if len(each) >= FEWEST else np.array_split(rows, min(BLOCKS, len(rows)))
 
 
 def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Sequence[Candidate], Solution]]) -> list[Start]:

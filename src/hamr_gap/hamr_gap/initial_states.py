@@ -43,13 +43,10 @@ class InitialStates:
         """
         if not model.starts:
             return None
-        known, usual = np.isfinite(model.target), (model.scales.coordinate, model.scales.coordinate / model.scales.time)
-        plain, n = model.run_rows(row[None])[0], model.pieces.start.shape[1]
-        moved = np.stack([_moved(model, k, SMALL * usual[2 * k // n]).run_rows(row[None])[0] - plain for k in range(n)], -1)
-        moved = np.where(known[..., None] & np.isfinite(moved), moved / sigma[:, None], 0.0)
-        pieces = [(int(a), int(b)) for a, b in zip(model.pieces.first, model.pieces.stop, strict=True)]
-        grown = np.array([_grown(moved[a:b, :, : n // 2]) for a, b in pieces])
-        return cls(tuple((a, b, _basis(moved[a:b].reshape(-1, n))) for a, b in pieces), sigma, known, grown)
+        known, n = np.isfinite(model.target), model.pieces.start.shape[1]
+        moved = columns(model, row, model.run_rows(row[None])[0]) / sigma[:, None]
+        grown = np.array([_grown(moved[a:b, :, : n // 2]) for a, b in model.pieces.parts])
+        return cls(tuple((a, b, _basis(moved[a:b].reshape(-1, n))) for a, b in model.pieces.parts), sigma, known, grown)
 
     def beside(self, y: np.ndarray) -> np.ndarray:
         """Readings or differences of them, (..., n, channels), less what other initial states make of them; n may end early."""
@@ -69,10 +66,29 @@ def _grown(moved: np.ndarray) -> np.ndarray:
     return np.divide(ended, begun, out=np.ones_like(ended), where=begun > 0.0)
 
 
+def columns(model: Model, row: np.ndarray, plain: np.ndarray) -> np.ndarray:
+    """(n, channels, 2 joints) what readings `plain` change by as starts move by `SMALL` of what is usual; zero where nothing is read."""
+    n, by = model.pieces.start.shape[1], SMALL * usual(model)
+    moved = np.stack([_moved(model, k, by[k]).run_rows(row[None])[0] - plain for k in range(n)], -1)
+    return np.where(np.isfinite(model.target)[..., None] & np.isfinite(moved), moved, 0.0)
+
+
+def usual(model: Model) -> np.ndarray:
+    """(2 joints,) usual coordinates and rates."""
+    scales, joints = model.scales, model.pieces.start.shape[1] // 2
+    return np.repeat([scales.coordinate, scales.coordinate / scales.time], joints)
+
+
 def _moved(model: Model, which: int, by: float) -> Model:
     """The same with one coordinate or rate of every start moved."""
-    other, start = copy(model), model.pieces.start.copy()
+    start = model.pieces.start.copy()
     start[:, which] += by
+    return begun(model, start)
+
+
+def begun(model: Model, start: np.ndarray) -> Model:
+    """The same with other starts, (S, 2 joints) coordinates and rates."""
+    other = copy(model)
     other.pieces = replace(model.pieces, start=start)
     return other
 

@@ -19,6 +19,7 @@ from .sensors import beyond, late
 
 LATEST = 0.1  # of a record: a fit that makes its clocks later than that is lost anyway
 EDGE = 16  # readings on either side of a break that serve nothing: clocks that are late by less read across it
+START = "start"  # of the names of what moves the starts of pieces
 BAND = 1000.0  # readings a second that are kept: what HAMR's legs do is slower
 
 
@@ -30,6 +31,7 @@ class Model:
         substeps: steps per sample. mean: samples averaged into one reading.
         scales: what is usual on this machine. piece: T of a piece, 0 for what suits the machine.
         delay: T by which readings are late, in whole steps, and `LATEST` at most: what is read is the machine's state so much before.
+        begins: whether a fit may move the starts of pieces: over long ones what a measured start is off by is no longer small.
         target: (n, channels) averaged readings, NaN where none is, or where a late one shows what was before the record.
         own: indices of the record's channels among the machine's.
         pieces: parts that start anew, None for free runs from rest.
@@ -42,6 +44,7 @@ class Model:
     scales: Scales
     piece: float = 0.0
     delay: float = 0.0
+    begins: bool = False
     pieces: Pieces | None = field(init=False)
     target: np.ndarray = field(init=False)
     own: list[int] = field(init=False)
@@ -89,9 +92,24 @@ class Model:
         """Readings from which runs start as measured, of a machine that does not forget it."""
         return () if self.pieces is None or self.pieces.forgotten else tuple(int(x) for x in self.pieces.first)
 
+    @property
+    def free_starts(self) -> list[Free]:
+        """Free numbers that move the coordinates and rates at the starts of pieces, if a fit may."""
+        if not (self.begins and self.starts):
+            return []
+        scales, joints = self.scales, len(self.machine.joints)
+        usual = [*[scales.coordinate] * joints, *[scales.coordinate / scales.time] * joints] * len(self.pieces)
+        return [Free(f"{START}.{k}", scale, -np.inf, np.inf, 0.0, 1.0) for k, scale in enumerate(usual)]
+
     def rows(self, free: Sequence[Free], x: np.ndarray) -> np.ndarray:
-        """(K, rows) lane parameters of (K, P) or (P,) free numbers."""
-        return lanes(self.machine, self.neutral, free, np.atleast_2d(x))
+        """(K, rows) lane parameters of (K, P) or (P,) free numbers, and behind them what moves starts, if any of these does.
+
+        Those of another record's pieces move none here.
+        """
+        names = [*self.machine.parameter_rows, *(f.row for f in self.free_starts)]
+        neutral = np.concatenate([self.neutral, np.zeros(len(names) - len(self.neutral))])
+        own = [k for k, f in enumerate(free) if self.begins or not f.row.startswith(START)]
+        return lanes(names, neutral, [free[k] for k in own], np.atleast_2d(x)[:, own])
 
     def runs(self, free: Sequence[Free], x: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, P) parameter sets; the first `samples` readings if said."""
@@ -138,9 +156,12 @@ class Model:
         chosen = np.flatnonzero(pieces.first < samples)
         first, stop = pieces.first[chosen], np.minimum(pieces.stop[chosen], samples)
         longest, steps = int((stop - first).max()), self.mean * self.substeps
-        drives = self._reaching(longest * steps)
-        param = np.repeat(rows, len(chosen), axis=0)
+        drives, count = self._reaching(longest * steps), len(self.neutral)
+        param = np.repeat(rows[:, :count], len(chosen), axis=0)
         state = self._started(pieces, chosen, drives, param, step)
+        if moved := rows.shape[1] - count:
+            by = rows[:, count:].reshape(len(rows), len(pieces), moved // len(pieces))[:, chosen]
+            state[:, : by.shape[2]] += by.reshape(-1, by.shape[2])
         y = machine_kernel.simulate(
             self.machine, drives, param, step=step, substeps=self.substeps, mean=self.mean, samples=longest,
             first=np.tile(first * steps, len(rows)), start=state,

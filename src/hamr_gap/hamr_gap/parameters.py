@@ -107,10 +107,10 @@ def effect_parameters(candidates: Iterable[Candidate], scales: Scales) -> list[F
     return found
 
 
-def lanes(machine: Machine, neutral: np.ndarray, free: Sequence[Free], x: np.ndarray) -> np.ndarray:
-    """(K, rows) lane parameters of (K, P) free numbers."""
+def lanes(names: Sequence[str], neutral: np.ndarray, free: Sequence[Free], x: np.ndarray) -> np.ndarray:
+    """(K, rows) lane parameters of (K, P) free numbers, with these names and, where nothing is free, neutral (rows,)."""
     full = np.tile(neutral, (len(x), 1))
-    index = {name: i for i, name in enumerate(machine.parameter_rows)}
+    index = {name: i for i, name in enumerate(names)}
     for k, f in enumerate(free):
         full[:, index[f.row]] = f.scale * x[:, k]
     return full

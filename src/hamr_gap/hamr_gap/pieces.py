@@ -51,6 +51,11 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.first)
 
+    @property
+    def parts(self) -> list[tuple[int, int]]:
+        """Readings first to stop of each."""
+        return [(int(a), int(b)) for a, b in zip(self.first, self.stop, strict=True)]
+
 
 def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) -> Pieces | None:
     """The parts in which a machine runs through a record, or None for free runs from rest: one, or one of each stretch.
@@ -61,19 +66,16 @@ def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) 
     Raises:
         BagError: no stretch is long enough.
     """
-    slow, swing, second = _memory(machine)
+    slow, _, _ = _memory(machine)
     forgotten = not length and slow <= FORGETS * record.span and record.driven.any()
-    if forgotten:
-        if record.rest or (len(record.stretches) == 1 and slow <= FORGETS**2 * record.span):
-            return None
-        length = record.span
-    elif not length:
-        least, many = FEWEST * mean * record.step, FEW if swing else MANY
-        length = np.clip(slow if swing else second, least, max(record.span / many, least))
+    if forgotten and (record.rest or (len(record.stretches) == 1 and slow <= FORGETS**2 * record.span)):
+        return None
+    usual = record.span if forgotten else _usual(machine, record, mean)
     stretches = _long(record, mean)
     shortest = min(stop - start for start, stop in stretches) // mean
-    readings = max(1, min(round(length / (record.step * mean)), int(shortest / (1.0 + RUN_IN))))
-    parts = [part for start, stop in stretches for part in _parts(-(-start // mean), stop // mean, readings, record.rest)]
+    readings = max(1, min(round((length or usual) / (record.step * mean)), int(shortest / (1.0 + RUN_IN))))
+    lead = int(RUN_IN * min(readings, max(usual, telling(machine, record)) / (record.step * mean)))  # a long piece needs no longer one
+    parts = [part for start, stop in stretches for part in _parts(-(-start // mean), stop // mean, readings, lead, record.rest)]
     first, stop, lead = np.array(parts, int).reshape(-1, 3).T
     still = record.rest & np.isin(first, [-(-start // mean) for start, _ in record.stretches])
     known = forgotten | still | (measured(machine, record, first * mean) & measured(machine, record, (first - lead) * mean))
@@ -90,6 +92,13 @@ def _long(record: Record, mean: int) -> list[tuple[int, int]]:
         most = max(stop - start for start, stop in record.stretches)
         raise BagError(f"At most {most} samples follow each other without a gap, and {least:.0f} are needed; record without gaps.")
     return found
+
+
+def _usual(machine: Machine, record: Record, mean: int) -> float:
+    """T of a piece of a machine that does not forget."""
+    slow, swing, second = _memory(machine)
+    least, many = FEWEST * mean * record.step, FEW if swing else MANY
+    return float(np.clip(slow if swing else second, least, max(record.span / many, least)))
 
 
 def telling(machine: Machine, record: Record) -> float:
@@ -120,9 +129,8 @@ def _square(entries: tuple, n: int) -> np.ndarray:
     return x.reshape(1, 1) if n == 1 else np.array([[x[0], x[1]], [x[1], x[2]]])
 
 
-def _parts(begin: int, end: int, readings: int, rest: bool) -> list[tuple[int, int, int]]:
+def _parts(begin: int, end: int, readings: int, lead: int, rest: bool) -> list[tuple[int, int, int]]:
     """(first, stop, run-in) of about equal parts of a stretch."""
-    lead = int(RUN_IN * readings)
     start = begin if rest else begin + lead
     edges = np.linspace(start, end, max(1, round((end - start) / readings)) + 1).astype(int)
     return [(a, b, 0 if a == begin else lead) for a, b in zip(edges[:-1], edges[1:], strict=True)]

@@ -19,6 +19,9 @@ DEAD_SHARE = 0.03
 CYCLE_S = 12.0  # in which each role has its turns
 #: Of one cycle. What is fitted lies all over it, or a part that is driven in another way would be judged and never fitted.
 CYCLE = ("fit", "select", "fit", "report", "fit", "select", "fit", "calibrate", "fit", "select", "fit", "report", "fit")
+#: Of each piece whose start is fitted, or its judged readings would hang on a start that no fitted ones tell; of one alone twice, for what
+#: nothing drives tells most before it comes to rest.
+OWN_CYCLE, OWN_CYCLE_S = ("fit", "select", "fit", "calibrate", "fit", "report"), 15.0
 OWN_S = 4.0  # a run of as much has turns of its own: of two, the second may show what the first does not
 FEWEST = 80  # readings that serve at all
 TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces, shuffled anew each time
@@ -45,12 +48,13 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
     """
     n, second = len(model.target), 1.0 / seconds_per_t / model.reading_step
     dead = _dead(n, second)
-    if model.pieces is not None and len(model.pieces) >= len(TURNS):
+    if model.pieces is not None and len(model.pieces) >= len(TURNS) and not model.begins:
         return _by_piece(model.pieces, n, dead)
     there, roles = _telling(model, dead), {name: np.zeros(n, bool) for name in SHARES}
-    for start, stop in _runs(model, there, OWN_S * second):
-        turns = CYCLE * max(1, round((stop - start) / second / CYCLE_S))
+    for start, stop, turns in _turns(model, there, second):
         _deal(start + np.flatnonzero(there[start:stop]), turns, _dead(stop - start, second), roles)
+    if (useful := sum(int(served.sum()) for served in roles.values())) < FEWEST:
+        raise BagError(f"A run has {useful} readings that serve: too few to fit on some and judge on others; record longer.")
     return Roles(**roles)
 
 
@@ -59,21 +63,21 @@ def _dead(readings: int, second: float) -> int:
     return int(min(DEAD_S * second, DEAD_SHARE * readings))
 
 
-def _runs(model: Model, there: np.ndarray, least: float) -> list[tuple[int, int]]:
-    """Parts of a record that have turns of their own: its stretches, if in each `least` readings serve; else the whole."""
-    runs = model.stretches
-    return runs if all(there[start:stop].sum() >= least for start, stop in runs) else [(0, len(there))]
+def _turns(model: Model, there: np.ndarray, second: float) -> list[tuple[int, int, tuple[str, ...]]]:
+    """Parts of a record that have turns of their own, and these: pieces whose starts are fitted, or the record's stretches, if in each
+    `OWN_S` serve, or else the whole."""
+    if model.begins:
+        runs, cycle, seconds = model.pieces.parts, OWN_CYCLE, OWN_CYCLE_S
+    else:
+        whole = any(there[start:stop].sum() < OWN_S * second for start, stop in model.stretches)
+        runs, cycle, seconds = [(0, len(there))] if whole else model.stretches, CYCLE, CYCLE_S
+    least = 2 if model.begins and len(runs) == 1 else 1
+    return [(start, stop, cycle * max(least, round((stop - start) / second / seconds))) for start, stop in runs]
 
 
 def _deal(there: np.ndarray, turns: Sequence[str], dead: int, roles: dict[str, np.ndarray]) -> None:
-    """Marks the readings `there` (m,) in the roles that have their turns, in their shares.
-
-    Raises:
-        BagError: too few of them.
-    """
+    """Marks the readings `there` (m,) in the roles that have their turns, in their shares."""
     useful = len(there) - dead * sum(a != b for a, b in pairwise(turns))
-    if useful < FEWEST:
-        raise BagError(f"A run has {len(there)} readings that serve: too few to fit on some and judge on others; record longer.")
     at, before = 0.0, turns[0]
     for name in turns:
         at += dead * (name != before)
@@ -87,9 +91,9 @@ def _telling(model: Model, dead: int) -> np.ndarray:
     there = np.ones(len(model.target), bool)
     if model.pieces is not None:
         there[:] = False
-        for start, stop in zip(model.pieces.first, model.pieces.stop, strict=True):
+        for start, stop in model.pieces.parts:
             there[start:stop] = True
-    if not model.record.rest:
+    if not model.record.rest and not model.begins:
         for start in (0,) if model.pieces is None else model.pieces.first:
             there[start : start + dead] = False
     return there
@@ -103,7 +107,7 @@ def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:
     random = np.random.default_rng(0)  # or turns keep step with an excitation that repeats itself
     turns = [name for _ in range(-(-len(pieces) // len(TURNS))) for name in random.permutation(TURNS)]
     fresh, before = 0, turns[0]
-    for name, (start, stop) in zip(turns, zip(pieces.first, pieces.stop, strict=True), strict=False):
+    for name, (start, stop) in zip(turns, pieces.parts, strict=False):
         if name != before:
             fresh, before = start + dead, name
         roles[name][max(start, fresh) : stop] = True

@@ -14,6 +14,7 @@ from .model import Model
 from .readings import sensor_noise
 from .record import Record
 from .scales import scales_of
+from .settled import settled
 from .si import channel_si
 
 #: Seconds, and readings at least, after which a re-initialised run is judged, besides the free run.
@@ -37,15 +38,12 @@ def show(machine: Machine, found: Found, record: Record, *, fresh: bool) -> tupl
     rows = np.stack([found.arrays[f"rows.{state}"] for state in STATES])
     used = found.arrays["report"] if not fresh else _settled(model)
     noise = sensor_noise(record) / np.sqrt(model.mean)
-    runs = {
-        state: found.sensors(state).read(run, model.reading_step, model.starts)
-        for state, run in zip(STATES, model.run_rows(rows), strict=True)
-    }
     chosen = used[:, None] & np.isfinite(model.target)
-    left = {
-        state: np.where(chosen, _beside_starts(model, row, noise, model.target - run), np.nan)
-        for (state, run), row in zip(runs.items(), rows, strict=True)
-    }
+    runs, left = {}, {}
+    for state, row in zip(STATES, rows, strict=True):
+        begun = settled(model, row, noise, found.sensors(state)) if found.simulation["settled"] else model
+        runs[state] = found.sensors(state).read(begun.run_rows(row[None])[0], model.reading_step, model.starts)
+        left[state] = np.where(chosen, _beside_starts(begun, row, noise, model.target - runs[state]), np.nan)
     over = {state: _rms(x / noise) for state, x in left.items()}
     channels = {}
     for c, channel in enumerate(record.channels):
