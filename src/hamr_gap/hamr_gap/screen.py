@@ -183,5 +183,6 @@ def _resized(column: Column, factor: float) -> Column:
         return column
     p = column.parameter
     limit = 0.5 * (p.high if column.size > 0 else -p.low)
-    size = float(np.clip(column.size * np.clip(factor, 1e-3, 1e3), -abs(limit), abs(limit)))
+    size = abs(p.typical) * np.clip(factor * abs(column.size / p.typical), 1e-3, 1e3)
+    size = float(np.copysign(min(size, abs(limit)), column.size))
     return Column(column.row, p, size, column.shapes)
