@@ -18,8 +18,9 @@ from hamr_dynamics.plant import plant
 from .record import Record
 
 NEAR_STOP = 0.95  # of the way to an end stop, that a tip must have gone to have met it: its sensor is off by some per cent
-SHAKEN_MS = 120.0  # for which a hit is remembered: how hard it was shows above the noise that long
-ENOUGH_CLEAR = 0.2
+#: For which a hit is remembered, as long as it leaves this share of the readings: how hard it was rings on for five time constants of the
+#: slowest motion (94 ms), and counts less and less.
+SHAKEN_MS = ((480.0, 0.5), (240.0, 0.5), (120.0, 0.2))
 
 
 class Measured(Protocol):
@@ -53,11 +54,12 @@ def record_of(measured: Measured, leg: str, joints: Sequence[str] = JOINTS) -> R
 def clear_of_stops(record: Record) -> Record:
     """The record without the readings just after an actuator met its end stop: how hard it hit decides on too much that follows.
 
-    Where that would leave less than `ENOUGH_CLEAR` of them, or tips were not measured, all stay.
+    Where hits come so often that little would be left, or tips were not measured, all stay.
     """
     tips = [i for i, name in enumerate(record.channels) if name.endswith("_actuator")]
     hit = (np.abs(np.nan_to_num(record.readings[:, tips])) > NEAR_STOP * value("actuator.stop")).any(1)
-    after = np.convolve(hit, np.ones(int(SHAKEN_MS / record.step)))[: len(hit)] > 0
-    if after.mean() > 1.0 - ENOUGH_CLEAR:
-        return record
-    return replace(record, readings=np.where(after[:, None], np.nan, record.readings))
+    for ms, enough in SHAKEN_MS:
+        clear = np.convolve(hit, np.ones(int(ms / record.step)))[: len(hit)] == 0
+        if clear.mean() >= enough:
+            return replace(record, readings=np.where(clear[:, None], record.readings, np.nan))
+    return record

@@ -1,0 +1,53 @@
+"""What a hit on an actuator's end stop leaves in a leg, and for how long readings after one are left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hamr_description.names import LEGS
+from hamr_description.numbers import value
+from hamr_gap.legs import SHAKEN_MS, clear_of_stops, machine_of
+from hamr_gap.record import Record
+
+CHANNELS = ("fl_swing", "fl_lift", "fl_swing_actuator", "fl_lift_actuator")
+STEP = 0.25  # ms
+
+
+def record(hits_ms: list[float], seconds: float = 12.0) -> Record:
+    """Tips at rest, but for a sample at each hit in which the lift's is at its stop."""
+    n = round(1e3 * seconds / STEP)
+    readings = np.zeros((n, 4))
+    readings[np.round(np.array(hits_ms) / STEP).astype(int), 3] = -value("actuator.stop")
+    return Record(np.zeros((n, 2)), readings, STEP, CHANNELS)
+
+
+def clear(x: Record) -> np.ndarray:
+    """(n,) whether the readings of a sample count."""
+    told = np.isfinite(x.readings)
+    assert (told.all(1) == told.any(1)).all()
+    return told.all(1)
+
+
+@pytest.mark.parametrize("backend", ["simple", "full"])
+@pytest.mark.parametrize("leg", LEGS)
+def test_a_hit_has_rung_down_to_a_hundredth(backend, leg):
+    at = machine_of(backend, leg).at_rest
+    slowest = max(2.0 * at.mass[i] / at.damping[i] for i in (0, 2))
+    assert np.exp(-SHAKEN_MS[0][0] / slowest) < 0.01
+
+
+def test_readings_after_a_hit_are_left_out_for_as_long():
+    found = clear(clear_of_stops(record([3000.0])))
+    assert np.flatnonzero(~found).tolist() == list(range(12000, 12000 + round(480.0 / STEP)))
+
+
+@pytest.mark.parametrize(("every", "ms"), [(2000.0, 480.0), (1000.0, 480.0), (700.0, 240.0), (400.0, 120.0), (160.0, 120.0), (130.0, 0.0)])
+def test_frequent_hits_are_forgotten_sooner_rather_than_leave_little(every, ms):
+    hits = np.arange(100.0, 11500.0, every)
+    found = clear(clear_of_stops(record(hits.tolist())))
+    assert (~found).sum() == len(hits) * round(ms / STEP)
+
+
+def test_every_reading_stays_where_nothing_hits():
+    assert clear(clear_of_stops(record([]))).all()
