@@ -20,8 +20,10 @@ SIZES = np.array({sizes})
 LOAD = """
         used[:] = False
         for law, first, end in SIZES:
+            some = False
             for i in range(first, end):
-                used[law] |= param[b, i] != 0
+                some |= param[b, U(i)] != 0
+            used[law] |= some
         for law in range(used.size):
             if used[law]:
                 for i in range(PARAMETERS[law, 0], PARAMETERS[law, 1]):

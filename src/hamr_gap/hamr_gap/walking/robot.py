@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass, fields
 from functools import cached_property
 
@@ -16,11 +18,11 @@ from hamr_dynamics.machine import leg_machine
 from hamr_dynamics.plant import Plant, plant, with_effects
 from hamr_dynamics.set_effects import set_effects
 
+from ..threads import at_once
 from .segments import POSITION, QD, QUATERNION, SPIN, STATE, VELOCITY, Q
 from .setting import Setting
 
-LANES = 1024  # simulated at once
-BLOCK = 16
+LANES, BLOCK = 512, 16  # simulated at once by a thread, and in a block
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,15 @@ class Drives:
         """Of a choice of segments."""
         return Drives(*(getattr(self, f.name)[index] for f in fields(self)))
 
+    def late(self, shifts: np.ndarray) -> np.ndarray:
+        """(u, s, k, steps, 8) voltages that act later by each of `shifts` (u,) ms."""
+        shift = shifts[:, None, None, None, None]
+        return self.volts - shift * (self.slopes - 0.5 * shift * self.bends)
+
+    def lead(self, shifts: np.ndarray) -> np.ndarray:
+        """(u, s, j, steps, 8) likewise, before."""
+        return self.lead_volts - shifts[:, None, None, None, None] * self.lead_slopes
+
 
 class _Lanes(BatchSim):
     """Robots whose effects may keep what they remember while their motion is set."""
@@ -73,34 +84,73 @@ class _Lanes(BatchSim):
         if not self.keep:
             super()._forget(mask)
 
+    def first(self, count: int) -> _Lanes:
+        """The blocks that so many lanes need, in the same memory."""
+        some, blocks = copy(self), -(-count // self.block)
+        some.n, some._blocks = blocks * self.block, blocks
+        for name in ("_state", "_target", "_param", "_base", "_body", "_seen", "_no_drive"):
+            setattr(some, name, getattr(self, name)[:blocks])
+        return some
+
+    def furnish(self, rows: tuple[np.ndarray, np.ndarray], which: np.ndarray) -> None:
+        """Gives lane i the parameters rows[...][which[i]] (`_Kernels.rows`)."""
+        for array, row in zip((self._param, self._body), rows, strict=True):
+            view = array.reshape(self._blocks, *row.shape[1:], BLOCK)
+            view[...] = row[0][..., None]
+            differ = (row != row[0]).any((0, 2))  # few of some five hundred
+            own = row[:, differ][which].reshape(self._blocks, BLOCK, differ.sum(), row.shape[2])
+            view[:, differ] = own.transpose(0, 2, 3, 1)
+
+    def place(self, x: np.ndarray) -> None:
+        """Sets states (n, 29)."""
+        self.set_state(q=x[:, Q], qd=x[:, QD], position=x[:, POSITION], quaternion=x[:, QUATERNION], velocity=x[:, VELOCITY],
+                       angular_velocity=x[:, SPIN])  # fmt: skip
+
+    def lead(self, starts: np.ndarray, lead: np.ndarray, drive: tuple[np.ndarray, np.ndarray], drives: Drives) -> None:
+        """Leads what effects remember along the measured motion up to the starts (n, 29); lane i has lead[drive[0][i], drive[1][i]]."""
+        self.keep, x, segment = True, starts.copy(), drive[1]
+        for k in range(lead.shape[2]):
+            x[:, Q], x[:, QD] = drives.lead_angles[segment, k], drives.lead_rates[segment, k]
+            self.place(x)
+            self.step_voltages(lead[(*drive, k)])
+        self.place(starts)
+        self.keep = False
+
 
 class _Kernels:
-    """Simulators of a plant, of several numbers of lanes."""
+    """Simulators of a plant, one for each thread that asks."""
 
     def __init__(self, plant: Plant, numerics: Numerics) -> None:
         self._plant, self._numerics = plant, numerics
-        self._sims: dict[int, _Lanes] = {}
-        one = self.of(BLOCK)
-        self._neutral = one._param.copy(), one._body.copy()
+        self._idle: list[_Lanes] = []
+        with self.lanes(BLOCK) as one:
+            self._neutral = one._param.copy(), one._body.copy()
 
-    def of(self, count: int) -> _Lanes:
-        """At least so many lanes, a power of two of blocks."""
-        n = BLOCK << (-(-count // BLOCK) - 1).bit_length()
-        if n not in self._sims:
-            sim = _Lanes(self._plant, n, block=BLOCK)
-            if self._numerics.fine > 1:
-                sim._module = kernels.load(self._plant, "ground", BLOCK, sim.dtype.name, SERVO_MS / self._numerics.fine)
-            sim.set_parameter("slip_speed", self._numerics.slip * sim.parameter("slip_speed"))
-            self._sims[n] = sim
-        return self._sims[n]
+    @contextmanager
+    def lanes(self, count: int) -> Iterator[_Lanes]:
+        """A simulator of at least so many lanes, at most LANES, that nobody else uses."""
+        try:
+            sim = self._idle.pop()
+        except IndexError:
+            sim = self._made()
+        yield sim.first(count)
+        self._idle.append(sim)
+
+    def _made(self) -> _Lanes:
+        sim = _Lanes(self._plant, LANES, block=BLOCK)
+        if self._numerics.fine > 1:
+            sim._module = kernels.load(self._plant, "ground", BLOCK, sim.dtype.name, SERVO_MS / self._numerics.fine)
+        sim.set_parameter("slip_speed", self._numerics.slip * sim.parameter("slip_speed"))
+        return sim
 
     def rows(self, settings: Sequence[Setting]) -> tuple[np.ndarray, np.ndarray]:
-        """Lane parameters (m, R, 4) and parameters of the chassis (m, B) of settings."""
-        sim, found = self.of(BLOCK), []
-        for s in settings:
-            sim._param[:], sim._body[:] = self._neutral
-            set_effects(sim, s.effects)
-            found.append((sim._param.reshape(-1, 4, BLOCK)[:, :, 0].copy(), sim._body.reshape(-1, BLOCK)[:, 0].copy()))
+        """Lane parameters (m, R, 4) and parameters of the chassis (m, B, 1) of settings."""
+        found = []
+        with self.lanes(BLOCK) as sim:
+            for s in settings:
+                sim._param[:], sim._body[:] = self._neutral
+                set_effects(sim, s.effects)
+                found.append((sim._param.reshape(-1, 4, BLOCK)[:, :, 0].copy(), sim._body.reshape(-1, 1, BLOCK)[:, :, 0].copy()))
         return tuple(np.stack(x) for x in zip(*found, strict=True))
 
 
@@ -125,50 +175,36 @@ class Robot:
         n, samples = len(starts), drives.volts.shape[1]
         found = Runs(np.empty((n, samples, 8)), np.empty((n, samples, 3)), np.empty((n, samples, 4)), np.empty((n, STATE)))
         rows = self._kernels.rows(settings)
-        for begin in range(0, n, LANES):
-            part = slice(begin, min(n, begin + LANES))
-            into = Runs(found.angles[part], found.position[part], found.quaternion[part], found.ends[part])
-            sim = self._kernels.of(part.stop - part.start)
-            self._part(sim, starts[part], drives, settings, rows, which[part], segment[part], into)
+        shifts, shift = np.unique([s.shift for s in settings], return_inverse=True)
+        laws = [e.law for s in settings for e in s.effects.effects]
+        late, lead = drives.late(shifts), drives.lead(shifts) if any(law.states for law in laws) else None
+        sensed = any(law.acts == "sense" for law in laws)
+
+        def ran(begin: int) -> None:
+            lanes = slice(begin, min(n, begin + LANES))
+            with self._kernels.lanes(lanes.stop - begin) as sim:
+                own = np.minimum(np.arange(begin, begin + sim.n), n - 1)  # the last again, up to a whole block
+                sim.furnish(rows, which[own])
+                sim.place(starts[own])
+                drive = shift[which[own]], segment[own]
+                if lead is not None:
+                    sim.lead(starts[own], lead, drive, drives)
+                self._advance(sim, late, drive, sensed, Runs(*(getattr(found, f.name)[lanes] for f in fields(found))))
+
+        at_once(ran, range(0, n, LANES))
         return found
 
     @cached_property
     def _kernels(self) -> _Kernels:
         return _Kernels(with_effects(plant(self.backend)), self.numerics)
 
-    def _part(self, sim: _Lanes, starts, drives: Drives, settings, rows, which, segment, into: Runs) -> None:
-        count = len(starts)
-        lanes = np.minimum(np.arange(sim.n), count - 1)
-        starts, which, segment = starts[lanes], which[lanes], segment[lanes]
-        for array, row in ((sim._param, rows[0]), (sim._body, rows[1])):
-            view = array.reshape(sim._blocks, row.shape[1], -1, BLOCK)
-            view[...] = row[which].reshape(sim._blocks, BLOCK, row.shape[1], -1).transpose(0, 2, 3, 1)
-        shift = np.array([s.shift for s in settings])[which][:, None, None]
-        laws = [e.law for s in settings for e in s.effects.effects]
-        self._place(sim, starts)
-        if any(law.states for law in laws):
-            self._lead(sim, starts, drives, shift, segment)
-        sensed = any(law.acts == "sense" for law in laws)
-        for k in range(drives.volts.shape[1]):
-            late = drives.volts[segment, k] - shift * (drives.slopes[segment, k] - 0.5 * shift * drives.bends[segment, k])
-            sim.step_voltages(late)
+    @staticmethod
+    def _advance(sim: _Lanes, late: np.ndarray, drive: tuple[np.ndarray, np.ndarray], sensed: bool, into: Runs) -> None:
+        count, samples = into.angles.shape[:2]
+        for k in range(samples):
+            sim.step_voltages(late[(*drive, k)])
             angles = sim.measured()[0] if sensed else sim.q
             for array, values in zip((into.angles, into.position, into.quaternion), (angles, sim.position, sim.quaternion), strict=True):
                 array[:, k] = values[:count]
         ends = np.concatenate([sim.position, sim.quaternion, sim.velocity, sim.angular_velocity, sim.q, sim.qd], 1)
         into.ends[:] = ends[:count]
-
-    @staticmethod
-    def _place(sim: BatchSim, x: np.ndarray) -> None:
-        sim.set_state(q=x[:, Q], qd=x[:, QD], position=x[:, POSITION], quaternion=x[:, QUATERNION], velocity=x[:, VELOCITY],
-                      angular_velocity=x[:, SPIN])  # fmt: skip
-
-    def _lead(self, sim: _Lanes, starts: np.ndarray, drives: Drives, shift: np.ndarray, segment: np.ndarray) -> None:
-        """Leads what effects remember along the measured motion up to the starts."""
-        sim.keep, x = True, starts.copy()
-        for k in range(drives.lead_volts.shape[1]):
-            x[:, Q], x[:, QD] = drives.lead_angles[segment, k], drives.lead_rates[segment, k]
-            self._place(sim, x)
-            sim.step_voltages(drives.lead_volts[segment, k] - shift * drives.lead_slopes[segment, k])
-        self._place(sim, starts)
-        sim.keep = False
