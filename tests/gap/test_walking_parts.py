@@ -16,7 +16,9 @@ from hamr_bags.as_measured import NOISE, strokes
 from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
+from hamr_gap import threads
 from hamr_gap.walking import fit as fits
+from hamr_gap.walking import robot
 from hamr_gap.walking.fit import SETTLING, fit
 from hamr_gap.walking.left import trimmed
 from hamr_gap.walking.prepare import settled
@@ -286,3 +288,19 @@ def test_robots_that_share_a_block_do_as_they_do_alone():
         assert np.allclose(found, replay.each(still, [model])[0], atol=1e-6)
     assert np.abs(together[0] - plain).max() > 1.0
     assert np.allclose(together[0], together[-1], atol=1e-6)
+
+
+def test_how_many_lanes_and_threads_there_are_changes_nothing(monkeypatch):
+    walk, _ = walked()
+    chosen = segments(walk, length_ms=8.0, every_ms=160.0).some(np.arange(5))
+    free = effect_parameters([Candidate("drive_lag", "first_order", "all")])
+    models = [Setting(), Setting(shift=0.3), setting(free, np.array([0.5]), [Candidate("drive_lag", "first_order", "all")])] * 5
+    still = np.zeros((len(chosen), CHANGES))
+    once = Replay.of(Robot("simple"), chosen).each(still, models)
+    monkeypatch.setattr(robot, "LANES", 16)
+    monkeypatch.setattr(threads, "_count", 3)
+    parted = Replay.of(Robot("simple"), chosen)
+    for _ in range(2):  # what a simulator did before leaves nothing behind
+        assert np.array_equal(parted.each(still, models), once)
+    assert np.abs(once[1] - once[0]).max() > 1.0
+    assert np.abs(once[2] - once[0]).max() > 1.0
