@@ -14,11 +14,13 @@ from hamr_description.errors import BagError
 from hamr_gap.roles import DEAD_S, DEAD_SHARE, SHARES, roles_of
 
 
-def roles(readings: int, *more: int, rest: bool = False) -> dict[str, np.ndarray]:
-    """Of a run of so many readings, or of several, each from rest or none."""
+def roles(readings: int, *more: int, rest: bool = False, lost: slice = slice(0)) -> dict[str, np.ndarray]:
+    """Of a run of so many readings, or of several, each from rest or none; some may be lost."""
     edges = np.cumsum([0, readings, *more])
+    target = np.zeros((edges[-1], 2))
+    target[lost] = np.nan
     model = SimpleNamespace(
-        target=np.zeros((edges[-1], 2)), reading_step=1.0, pieces=None, record=SimpleNamespace(rest=rest),
+        target=target, reading_step=1.0, pieces=None, record=SimpleNamespace(rest=rest),
         stretches=list(pairwise(edges.tolist())), begins=False,
     )  # fmt: skip
     return vars_of(roles_of(model, 1e-3))
@@ -43,6 +45,23 @@ def test_roles_keep_their_distance(readings, rest):
         assert role[a] == role[b] or b - a > apart - 2
     shares = np.array([rows.sum() for rows in found.values()]) / (role > 0).sum()
     assert shares == pytest.approx(list(SHARES.values()), abs=0.03)
+
+
+@given(st.integers(2000, 50_000), st.floats(0.0, 0.8), st.floats(0.05, 0.6))
+def test_lost_readings_take_from_all_roles_alike(readings, begin, share):
+    """A gap, or what a hit leaves out, may lie where one role would have had all of its turns."""
+    lost = slice(int(begin * readings), int((begin + share * (1.0 - begin)) * readings))
+    found = roles(readings, lost=lost)
+    told = np.ones(readings, bool)
+    told[lost] = False
+    shares = np.array([(rows & told).sum() for rows in found.values()], float)
+    assert shares / shares.sum() == pytest.approx(list(SHARES.values()), abs=0.03)
+    role = np.sum([(k + 1) * rows for k, rows in enumerate(found.values())], 0)
+    served = np.flatnonzero(role)
+    apart = int(min(DEAD_S * 1e3, DEAD_SHARE * told.sum()))
+    changes = role[served[:-1]] != role[served[1:]]
+    assert (np.diff(served)[changes] > apart - 2).all()
+    assert shares.sum() >= told.sum() - (apart + 1) * changes.sum() - DEAD_SHARE * readings - 2  # the start is forgotten first
 
 
 @pytest.mark.parametrize("seconds", [6, 12, 20, 60])

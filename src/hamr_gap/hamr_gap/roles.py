@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -23,8 +22,9 @@ CYCLE = ("fit", "select", "fit", "report", "fit", "select", "fit", "calibrate", 
 #: nothing drives tells most before it comes to rest.
 OWN_CYCLE, OWN_CYCLE_S = ("fit", "select", "fit", "calibrate", "fit", "report"), 15.0
 OWN_S = 4.0  # a run of as much has turns of its own: of two, the second may show what the first does not
-FEWEST = 80  # readings that serve at all
+FEWEST, OF_EACH = 80, 4  # readings that serve at all, and in each role
 TURNS = ("fit", "fit", "fit", "fit", "select", "select", "calibrate", "report")  # of whole pieces, shuffled anew each time
+TINY, HALVINGS = 1e-9, 60  # to find where so many readings have been told, though some tell nothing; and how many readings roles can have
 FRESH = 0.2  # of a piece: dead time enough where all starts anew
 
 
@@ -48,13 +48,16 @@ def roles_of(model: Model, seconds_per_t: float) -> Roles:
     """
     n, second = len(model.target), 1.0 / seconds_per_t / model.reading_step
     dead = _dead(n, second)
+    told, roles = np.isfinite(model.target).any(1), {name: np.zeros(n, bool) for name in SHARES}
     if model.pieces is not None and len(model.pieces) >= len(TURNS) and not model.begins:
-        return _by_piece(model.pieces, n, dead)
-    there, roles = _telling(model, dead), {name: np.zeros(n, bool) for name in SHARES}
-    for start, stop, turns in _turns(model, there, second):
-        _deal(start + np.flatnonzero(there[start:stop]), turns, _dead(stop - start, second), roles)
-    if (useful := sum(int(served.sum()) for served in roles.values())) < FEWEST:
-        raise BagError(f"A run has {useful} readings that serve: too few to fit on some and judge on others; record longer.")
+        _by_piece(model.pieces, dead, roles)
+    else:
+        there = _telling(model, dead)
+        for start, stop, turns in _turns(model, there, told, second):
+            _deal(start + np.flatnonzero(there[start:stop]), told, turns, _dead(told[start:stop].sum(), second), roles)
+    useful = [int((served & told).sum()) for served in roles.values()]
+    if sum(useful) < FEWEST or min(useful) < OF_EACH:
+        raise BagError(f"A run has {sum(useful)} readings that serve: too few to fit on some and judge on others; record longer.")
     return Roles(**roles)
 
 
@@ -63,27 +66,39 @@ def _dead(readings: int, second: float) -> int:
     return int(min(DEAD_S * second, DEAD_SHARE * readings))
 
 
-def _turns(model: Model, there: np.ndarray, second: float) -> list[tuple[int, int, tuple[str, ...]]]:
+def _turns(model: Model, there: np.ndarray, told: np.ndarray, second: float) -> list[tuple[int, int, tuple[str, ...]]]:
     """Parts of a record that have turns of their own, and these: pieces whose starts are fitted, or the record's stretches, if in each
     `OWN_S` serve, or else the whole."""
     if model.begins:
         runs, cycle, seconds = model.pieces.parts, OWN_CYCLE, OWN_CYCLE_S
     else:
-        whole = any(there[start:stop].sum() < OWN_S * second for start, stop in model.stretches)
+        whole = any((there & told)[start:stop].sum() < OWN_S * second for start, stop in model.stretches)
         runs, cycle, seconds = [(0, len(there))] if whole else model.stretches, CYCLE, CYCLE_S
     least = 2 if model.begins and len(runs) == 1 else 1
-    return [(start, stop, cycle * max(least, round((stop - start) / second / seconds))) for start, stop in runs]
+    return [(start, stop, cycle * max(least, round(told[start:stop].sum() / second / seconds))) for start, stop in runs]
 
 
-def _deal(there: np.ndarray, turns: Sequence[str], dead: int, roles: dict[str, np.ndarray]) -> None:
-    """Marks the readings `there` (m,) in the roles that have their turns, in their shares."""
-    useful = len(there) - dead * sum(a != b for a, b in pairwise(turns))
-    at, before = 0.0, turns[0]
-    for name in turns:
-        at += dead * (name != before)
-        end = at + SHARES[name] * useful / turns.count(name)
-        roles[name][there[round(at) : round(end)]] = True
-        at, before = end, name
+def _deal(there: np.ndarray, told: np.ndarray, turns: Sequence[str], dead: int, roles: dict[str, np.ndarray]) -> None:
+    """Marks the readings `there` (m,) in the roles that have their turns, in their shares of those that are not lost (`told`)."""
+    at = np.arange(len(there) + 1.0)
+    before = np.append(0.0, np.cumsum(told[there])) + TINY * at  # how many are told before each
+
+    def spans(readings: float) -> list[tuple[float, float]]:
+        """Of each turn, where so many readings serve in all."""
+        found, last, end = [], turns[0], 0.0
+        for name in turns:
+            begin = end + dead * (name != last)
+            end = np.interp(np.interp(begin, at, before) + SHARES[name] * readings / turns.count(name), before, at, right=np.inf)
+            found.append((begin, end))
+            last = name
+        return found
+
+    few, many = 0.0, before[-1]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (few + many)
+        few, many = (middle, many) if spans(middle)[-1][1] <= at[-1] else (few, middle)
+    for name, (begin, end) in zip(turns, spans(few), strict=True):
+        roles[name][there[round(begin) : round(end)]] = True
 
 
 def _telling(model: Model, dead: int) -> np.ndarray:
@@ -99,9 +114,8 @@ def _telling(model: Model, dead: int) -> np.ndarray:
     return there
 
 
-def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:
-    """Whole pieces, in turns that follow no rhythm; dead time is at the beginning of each turn, where a piece has little to say."""
-    roles = {name: np.zeros(n, bool) for name in SHARES}
+def _by_piece(pieces: Pieces, dead: int, roles: dict[str, np.ndarray]) -> None:
+    """Marks whole pieces, in turns that follow no rhythm; dead time is at the beginning of each turn, where a piece has little to say."""
     usual = float(np.median(pieces.stop - pieces.first))
     dead = int(min(dead, FRESH * usual))
     random = np.random.default_rng(0)  # or turns keep step with an excitation that repeats itself
@@ -111,7 +125,6 @@ def _by_piece(pieces: Pieces, n: int, dead: int) -> Roles:
         if name != before:
             fresh, before = start + dead, name
         roles[name][max(start, fresh) : stop] = True
-    return Roles(**roles)
 
 
 def mask(model: Model, part: np.ndarray) -> np.ndarray:
