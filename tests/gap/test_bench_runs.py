@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hamr_gap import search, single_effects
 from hamr_gap.bench import ablate, alone
 from hamr_gap.bench.cases import LEG, load, make, number
 from hamr_gap.bench.other import file_of, measure_otherwise
+from hamr_gap.bench.run import bench
 from hamr_gap.bench.second import folder_of, measure_again
 from hamr_gap.legs import machine_of
 from hamr_gap.readings import noise_of
@@ -39,6 +41,16 @@ def test_other_noise_is_all_that_differs_and_half_is_the_first_half(out):
     assert np.abs(np.corrcoef(apart[1:, 0], apart[:-1, 0])[0, 1]) < 0.05
     assert np.array_equal(half.readings, first.readings[: len(first) // 2], equal_nan=True)
     assert np.array_equal(half.drives, first.drives[: len(first.drives) // 2])
+
+
+def test_a_case_that_nothing_solved_is_said_and_counts_for_nothing(out, tmp_path, capsys):
+    shutil.copytree(out / "answers", tmp_path / "answers")
+    (tmp_path / "cases").mkdir()
+    (tmp_path / "cases" / f"{NAME}.npz").write_text("no record")
+    found = bench(tmp_path, nulls=1, workers=1)
+    assert found["no verdict, not counted above"] == str(NAME)
+    assert found["nulls: false alarms"] == found["processor seconds: median, 90th percentile"] == "-"
+    assert f"{NAME}.json" in capsys.readouterr().err
 
 
 def test_the_run_that_was_asked_for_is_that_of_the_same_machine(out):

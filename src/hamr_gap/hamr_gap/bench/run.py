@@ -71,7 +71,8 @@ def bench(
         unsure = [c.name for c in told.unsure(done) if not (score.kept_in(out, verdicts, decidable.WAY) / f"{c.name}.json").exists()]
         _each(workers, "decidable", [[str(out), verdicts, str(name)] for name in unsure])
     listing.write(out / f"{verdicts}.csv", done)
-    return dict([*score.table(done), *told.rows(out, done, verdicts)])
+    lost = " ".join(str(name) for name in names if name not in {c.name for c in done})
+    return dict([*score.table(done), *told.rows(out, done, verdicts), *([("no verdict, not counted above", lost)] if lost else [])])
 
 
 def _answer(out: Path, name: int) -> Path:

@@ -120,7 +120,8 @@ def _rows(cases: list[Scored]) -> list[tuple[str, str]]:
         rows.append(("share of the gap closed on untouched readings: median, 10th percentile",
                      f"{np.median(shrunk):.3f}, {np.percentile(shrunk, 10):.3f}"))  # fmt: skip
     seconds = [c.result["seconds"] for c in cases]
-    rows.append(("processor seconds: median, 90th percentile", f"{np.median(seconds):.1f}, {np.percentile(seconds, 90):.1f}"))
+    used = f"{np.median(seconds):.1f}, {np.percentile(seconds, 90):.1f}" if seconds else "-"
+    rows.append(("processor seconds: median, 90th percentile", used))
     return rows
 
 
