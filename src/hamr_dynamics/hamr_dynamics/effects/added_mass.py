@@ -14,13 +14,17 @@ def point(x: Chassis, p, z):
     return Chassis(mass, com, inertia, x.gravity), z
 
 
+#: mm: at an end, at a side, on top; a payload at the centre is next to none, for a re-tune takes up its weight.
+SEATS = {"x": (0.0, -10.0, 10.0), "y": (0.0, -5.0, 5.0), "z": (0.0, 10.0)}
+
 EFFECT = Effect(
     name="added_mass",
     part="body",
     summary="A payload that the chassis carries.",
     forms=(Form("point", "chassis", point, (
         Parameter("mass", "M", 0.1, 0.0, 5.0, "of the payload"),
-        *(Parameter(axis, "L", 0.0, -50.0, 50.0, f"where it is, {axis} in base_link", shape=True) for axis in "xyz"),
+        *(Parameter(axis, "L", 0.0, -50.0, 50.0, f"where it is, {axis} in base_link", shape=True, screen=screen)
+          for axis, screen in SEATS.items()),
     )),),
     experiment="standing and walking: the legs sag by weight over leg stiffness, strides change",
     source="hamr_facts 7; gap_method 3.2 (body)",

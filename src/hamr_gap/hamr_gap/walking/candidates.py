@@ -15,7 +15,7 @@ from .setting import Candidate
 
 PLACES = {"joint": ("all", *AXES, *LEGS, *JOINTS), "leg": ("all", *LEGS), "chassis": ("chassis",)}
 UNITS = {"joint": JOINTS, "leg": LEGS, "chassis": ("chassis",)}  # that places are made of
-OPTIONS = 3  # sets of shapes that are tried
+OPTIONS = 3  # sets of shapes that are tried of what acts at every joint or leg
 #: Forms that remember for longer than a segment and what leads up to it.
 SLOW = ("piezo_creep",)
 Shapes = tuple[tuple[str, float], ...]  # (parameter, value in scales)
@@ -53,4 +53,4 @@ def units(c: Candidate) -> tuple[str, ...]:
 def shapes_of(form: Form) -> Sequence[Shapes]:
     """Sets of shapes at which a form is tried."""
     options = [[(p.name, v) for v in (p.screen or (p.typical,))] for p in form.shapes]
-    return list(product(*options))[:OPTIONS]
+    return list(product(*options))[: None if kind(form) == "chassis" else OPTIONS]
