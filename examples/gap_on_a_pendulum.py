@@ -13,7 +13,7 @@ import numpy as np
 from hamr_dynamics.machine import Machine, Terms
 from hamr_dynamics.scalar import cos, sin
 from hamr_gap.plants import run
-from hamr_gap.words import sentences
+from hamr_gap.showing.words import sentences
 
 COLUMNS = {"drive": 0.0}  # nothing drives it
 

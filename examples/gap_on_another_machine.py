@@ -14,10 +14,10 @@ import numpy as np
 from scipy.io import loadmat
 
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.columns import record_of
-from hamr_gap.model import Model
+from hamr_gap.data.columns import record_of
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.scales import scales_of
 from hamr_gap.plants import load, run
-from hamr_gap.scales import scales_of
 from hamr_gap.study import stored
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "real"

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from hamr_dynamics.machine import Machine, linear_machine
-from hamr_gap.record import Record
+from hamr_gap.data.record import Record
 
 STEP = 1e-3  # s
 STIFFNESS, DAMPING = (2 * np.pi * 12.0) ** 2, 8.0

@@ -21,11 +21,11 @@ from hamr_gap.bench.baselines.motion import low_pass, unread
 from hamr_gap.bench.baselines.result import at, result, together
 from hamr_gap.bench.baselines.run import baselines, solved
 from hamr_gap.bench.score import Scored
-from hamr_gap.parameters import Candidate, effect_parameters
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.search import noise_floor
-from hamr_gap.weighed import Sensors
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.parameters import Candidate, effect_parameters
+from hamr_gap.fitting.weighed import Sensors
+from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.search import noise_floor
 
 STEP, COUNT, FINER = 1e-3, 6000, 4
 STIFFNESS, DAMPING, GAIN = (2 * np.pi * 20.0) ** 2, 12.0, 1000.0

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 import hidden_gap
-from hamr_gap.analyse import analyse
 from hamr_gap.bench import listing
 from hamr_gap.bench.cases import LEG, from_plain, recorded, samples_of
 from hamr_gap.bench.score import names, scored
 from hamr_gap.bench.told import right_set, rows
+from hamr_gap.judging.analyse import analyse
 from hamr_gap.legs import machine_of, record_of
 from hidden_gap.case import JOINTS, Case
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from hamr_gap.apart import shapes
 from hamr_gap.bench import decidable as decidable_module
 from hamr_gap.bench.cases import from_plain
 from hamr_gap.bench.decidable import decidable
 from hamr_gap.bench.ideal import ideal, truth_of
 from hamr_gap.bench.score import names
 from hamr_gap.bench.told import TOLD_APART, right_set
+from hamr_gap.experiments.apart import shapes
 from hidden_gap.simulate import SAMPLE_HZ
 
 DELAY = 1  # which of the cases has nothing but a delay, of one joint

@@ -10,16 +10,16 @@ import pytest
 
 from hamr_description.errors import ConfigError
 from hamr_dynamics import machine_kernel
-from hamr_gap import search, single_effects
 from hamr_gap.bench import ablate, alone
 from hamr_gap.bench.cases import LEG, load, make, number
 from hamr_gap.bench.other import file_of, measure_otherwise
 from hamr_gap.bench.run import bench
 from hamr_gap.bench.second import folder_of, measure_again
+from hamr_gap.data.readings import noise_of
+from hamr_gap.data.record import joined
+from hamr_gap.fitting.scales import scales_of
 from hamr_gap.legs import machine_of
-from hamr_gap.readings import noise_of
-from hamr_gap.record import joined
-from hamr_gap.scales import scales_of
+from hamr_gap.naming import search, single_effects
 
 NAME = number("null", "development", 0)  # nothing hidden, nothing changed
 

@@ -10,11 +10,11 @@ import pytest
 from hamr_description.errors import BagError
 from hamr_dynamics.machine import linear_machine
 from hamr_gap import plants
-from hamr_gap.analyse import analyse
-from hamr_gap.clock import Clock
-from hamr_gap.columns import record_of
-from hamr_gap.pieces import pieces_of
-from hamr_gap.record import Record, joined
+from hamr_gap.data.clock import Clock
+from hamr_gap.data.columns import record_of
+from hamr_gap.data.record import Record, joined
+from hamr_gap.fitting.pieces import pieces_of
+from hamr_gap.judging.analyse import analyse
 
 STEP = 0.01
 MODEL = """

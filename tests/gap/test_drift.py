@@ -12,13 +12,13 @@ from scipy.signal import butter, sosfilt
 from hamr_dynamics.effects.law import powers
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.analyse import analyse
-from hamr_gap.hypothesis import refine, starts
-from hamr_gap.moves import FOLLOWED, SHAPES, in_other_shapes, look
-from hamr_gap.parameters import Candidate
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.screen import screen
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.parameters import Candidate
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.naming.hypothesis import refine, starts
+from hamr_gap.naming.moves import FOLLOWED, SHAPES, in_other_shapes, look
+from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.screen import screen
 
 MASS = linear_machine("mass", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass")
 WAVES = Candidate("drive_drift", "waves", (0,))

@@ -11,17 +11,17 @@ from oscillator import MACHINE, STEP, measured, oscillator
 
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.analyse import analyse
-from hamr_gap.apart import WITHIN, Apart, Follower, after, asked
-from hamr_gap.excite import signals
-from hamr_gap.experiment import DECISIVE, Proposal, propose
-from hamr_gap.hypothesis import Hypothesis, refine, residual, starts
-from hamr_gap.parameters import Candidate, effect_parameters
-from hamr_gap.prepare import Prepared, prepare
-from hamr_gap.record import Record, joined
-from hamr_gap.screen import screen
-from hamr_gap.search import Search
-from hamr_gap.weigh import SHARPNESS, floor_of, least_told
+from hamr_gap.data.record import Record, joined
+from hamr_gap.experiments.apart import WITHIN, Apart, Follower, after, asked
+from hamr_gap.experiments.excite import signals
+from hamr_gap.experiments.experiment import DECISIVE, Proposal, propose
+from hamr_gap.fitting.parameters import Candidate, effect_parameters
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.judging.weigh import SHARPNESS, floor_of, least_told
+from hamr_gap.naming.hypothesis import Hypothesis, refine, residual, starts
+from hamr_gap.naming.prepare import Prepared, prepare
+from hamr_gap.naming.screen import screen
+from hamr_gap.naming.search import Search
 
 
 def friction(q: float, v: float) -> float:

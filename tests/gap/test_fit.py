@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hamr_gap.corrected import Corrected
-from hamr_gap.descent import KEPT
-from hamr_gap.fit import fit
+from hamr_gap.fitting.corrected import Corrected
+from hamr_gap.fitting.descent import KEPT
+from hamr_gap.fitting.fit import fit
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.weighed import Weighed
 from hamr_gap.flagship_find import recorded
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model
-from hamr_gap.prepare import prepare
-from hamr_gap.weighed import Weighed
+from hamr_gap.naming.prepare import prepare
 
 FINE = 4  # times as many steps
 
@@ -76,7 +76,7 @@ def test_where_derivatives_keep_their_promise_no_other_steps_are_tried(swinging,
     weighed, free = swinging
     found = []
     for kept in (KEPT, np.inf):
-        monkeypatch.setattr("hamr_gap.descent.KEPT", kept)
+        monkeypatch.setattr("hamr_gap.fitting.descent.KEPT", kept)
         steps.append(0)
         found.append(fit(replace(weighed, coarse=None), free, np.zeros(len(free))))
     assert found[0].cost == pytest.approx(found[1].cost, rel=1e-3)

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.analyse import analyse
-from hamr_gap.candidates import candidates
-from hamr_gap.hypothesis import left_of
-from hamr_gap.model import Model
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.roles import mask, roles_of
-from hamr_gap.scales import scales_of
-from hamr_gap.screen import screen
-from hamr_gap.sensors import Sensors
-from hamr_gap.settled import settled
-from hamr_gap.tune import tune
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.roles import mask, roles_of
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.fitting.sensors import Sensors
+from hamr_gap.fitting.settled import settled
+from hamr_gap.fitting.tune import tune
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.naming.candidates import candidates
+from hamr_gap.naming.hypothesis import left_of
+from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.screen import screen
 
 SQUARE, RATE, NOISE = 36.0, 60.0, 0.004  # (rad/s)^2, frames a second, m
 UNITS = {"F": "N", "Q": "m", "T": "s", "U": "N"}

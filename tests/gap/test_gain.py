@@ -10,10 +10,10 @@ import pytest
 from hamr_dynamics.effects.law import Scales
 from hamr_dynamics.machine import Machine, Terms, linear_machine
 from hamr_dynamics.scalar import cos, sin
-from hamr_gap.analyse import analyse
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.parameters import changes
+from hamr_gap.judging.analyse import analyse
 from hamr_gap.legs import machine_of
-from hamr_gap.parameters import changes
-from hamr_gap.record import Record
 
 INERTIA, WEIGHT, DAMPING, GAIN = 0.005, 0.5, 0.03, 0.1  # kg m^2, N m at a right angle, N m s, N m/V
 USUAL = Scales(0.5, 0.8, 0.3, 4.0, 30.0)

@@ -17,8 +17,8 @@ from hamr_bags.decode import decode_all
 from hamr_bags.topics import JOINT_STATE
 from hamr_bringup.cli import run
 from hamr_dynamics.effects import effects_file
-from hamr_gap.found import Found
-from hamr_gap.measured import read
+from hamr_gap.answers.found import Found
+from hamr_gap.data.measured import read
 from hamr_sim_residual.engines import make_engine
 
 JOINTS = (f"{LEG}_swing", f"{LEG}_lift")
@@ -133,7 +133,7 @@ def test_what_only_a_simulation_knows_changes_nothing(answer, bags, capfd, monke
     junk = {name: random.normal(size=bags.runs["measured"].angles[:, columns].shape) for name in ("velocities", "accelerations", "effort")}
     info = {"backend": "full", "seed": 99, "effects": [{"effect": "backlash"}], "parameters_hash": "0" * 16}
     other = write(bags.folder / "scrambled", bags.runs["measured"], noise=0.01, seed=7, joints=JOINTS, info=info, **junk)
-    monkeypatch.setattr("hamr_gap.found.analyse", lambda *_: pytest.fail("analysed again"))
+    monkeypatch.setattr("hamr_gap.answers.found.analyse", lambda *_: pytest.fail("analysed again"))
     status, again = gap(capfd, "--measured", other, "--holdout", bags.holdout, "--out", bags.folder / "out")
     assert status == 0
     same = [name for name in answer if name not in ("command", "refused")]
@@ -159,7 +159,7 @@ def test_an_interrupted_run_goes_on_where_it_was(answer, bags, monkeypatch):
     def analyse(*_):
         raise Reached
 
-    monkeypatch.setattr("hamr_gap.found.analyse", analyse)
+    monkeypatch.setattr("hamr_gap.answers.found.analyse", analyse)
     half = bags.folder / "half"
     whole.save(half / "found" / folder.name, key)
     (half / "found" / folder.name / "found.npz").write_bytes((folder / "found.npz").read_bytes()[:500])

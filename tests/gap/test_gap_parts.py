@@ -17,16 +17,16 @@ from hamr_bags.writer import BagWriter
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic, drive_sign
 from hamr_dynamics.effects.effects_file import PlacedEffect
-from hamr_gap import emit
-from hamr_gap.answer import answer, merged, place_of
-from hamr_gap.drives_bag import write_drives
-from hamr_gap.found import Found
-from hamr_gap.measured import FIELDS, read
-from hamr_gap.prepare import prepare
+from hamr_gap.answers.answer import answer, merged, place_of
+from hamr_gap.answers.found import Found
+from hamr_gap.answers.together import together
+from hamr_gap.data.drives_bag import write_drives
+from hamr_gap.data.measured import FIELDS, read
+from hamr_gap.judging.table import fit_table
+from hamr_gap.naming.prepare import prepare
 from hamr_gap.progress import side_by_side
-from hamr_gap.table import fit_table
-from hamr_gap.together import together
-from hamr_gap.words import HEADLINES, sentences
+from hamr_gap.showing import emit
+from hamr_gap.showing.words import HEADLINES, sentences
 
 STEP = 1e-3
 HZ = 4000

@@ -17,7 +17,7 @@ from hamr_description.names import Topic
 from hidden_gap import Case, Effect, draw, measured, simulate, write
 from hidden_gap.case import CHANNELS, JOINTS
 from hidden_gap.draw import GROUPS, OUTSIDE, families, laws_of
-from hidden_gap.laws import LAWS
+from hidden_gap.laws.law import LAWS
 from hidden_gap.machine import FACTORS, KINDS
 from hidden_gap.make import main
 from hidden_gap.noise import KINDS as KINDS_OF_NOISE

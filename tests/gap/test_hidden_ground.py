@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -18,13 +19,13 @@ from hamr_description.numbers import value
 from hamr_sim_residual.mujoco_simple import simple_engine
 from hidden_gap.case import Effect
 from hidden_gap.ground import GROUPS, GroundCase, draw, turn, write
-from hidden_gap.ground_bag import seen
-from hidden_gap.ground_laws import GROUND_LAWS, OF_LEGS, Scene, families, laws_of, scene
-from hidden_gap.ground_machine import Walker
-from hidden_gap.ground_retune import left
-from hidden_gap.ground_starts import STARTS, moved, settled
-from hidden_gap.ground_strength import SEGMENT, Floors, Pieces, shown, walked
-from hidden_gap.laws import LAWS
+from hidden_gap.ground.bag import seen
+from hidden_gap.ground.laws import GROUND_LAWS, OF_LEGS, Scene, families, laws_of, scene
+from hidden_gap.ground.machine import Walker
+from hidden_gap.ground.retune import left
+from hidden_gap.ground.starts import STARTS, moved, settled
+from hidden_gap.ground.strength import SEGMENT, Floors, Pieces, shown, walked
+from hidden_gap.laws.law import LAWS
 
 TROT = {"kind": "trot", "seconds": 1.0, "frequency_hz": 10.0, "amplitude": 60.0}
 CASE = GroundCase("secret-name", "ground", 987654321, (), {}, 1.0, TROT, 3e-3)
@@ -98,7 +99,7 @@ CHANGED = {f"{kind}.{joint}": 1.2 for kind in ("stiffness", "damping", "drive_ga
 )  # fmt: skip
 def test_a_re_tune_takes_up_parameters_lateness_and_most_of_a_slope_but_no_other_surface(effects, changes, late, share, monkeypatch):
     """A slope is preloads, zeros, and starts within what sensors tell."""
-    monkeypatch.setattr("hidden_gap.ground_retune.PIECES", 5)
+    monkeypatch.setattr("hidden_gap.ground.retune.PIECES", 5)
     volts = CASE.volts()
     heard = np.concatenate([np.repeat(volts[:1], late, axis=0), volts[: len(volts) - late]])
     run = walked(tuple(_effect(name, **parameters) for name, parameters in effects), changes, heard)
@@ -229,7 +230,7 @@ def test_what_shows_is_the_same_on_another_simulator(name, parameters):
 
 
 def test_a_case_has_its_strength_once_the_robot_is_tuned_again(monkeypatch):
-    monkeypatch.setattr("hidden_gap.ground_retune.PIECES", 5)
+    monkeypatch.setattr("hidden_gap.ground.retune.PIECES", 5)
     case = draw("ground", 34, seconds=1.0)
     assert [effect.family for effect in case.effects] == [turn("ground", 34)]
     assert case.reached == max(case.channels.values()) == pytest.approx(case.strength, rel=0.101)
@@ -252,7 +253,7 @@ def test_equal_seeds_give_equal_cases_and_turns_are_taken():
 
 
 def test_a_strength_beyond_all_bounds_is_refused(monkeypatch):
-    monkeypatch.setattr("hidden_gap.ground.ATTEMPTS", 1)
+    monkeypatch.setattr(import_module("hidden_gap.ground.draw"), "ATTEMPTS", 1)
     with pytest.raises(ConfigError, match="ask for less"):
         draw("ground", families().index("gravity_tilt"), strength=1e5, seconds=1.0)
 

@@ -8,10 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
 
-from hidden_gap import simulate  # noqa: F401 - registers the laws
-from hidden_gap.laws import ARMATURE, LAWS, SIZE, TAU, Q, U, V, address
+from hidden_gap.laws.law import ARMATURE, LAWS, SIZE, TAU, Q, U, V, address
+from hidden_gap.laws.sensor import sensed
 from hidden_gap.loop import _call_law
-from hidden_gap.sensor import sensed
 
 DT = 0.025
 

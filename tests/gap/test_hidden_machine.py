@@ -13,7 +13,7 @@ from hamr_description.names import Topic
 from hamr_description.simple_constants import simple_constants
 from hidden_gap.case import JOINTS, Effect
 from hidden_gap.conditions import NOISE
-from hidden_gap.laws import LAWS
+from hidden_gap.laws.law import LAWS
 from hidden_gap.machine import machine, rest_mass
 from hidden_gap.simulate import EVERY, commands, play
 

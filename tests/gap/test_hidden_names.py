@@ -11,7 +11,7 @@ from test_hidden_laws import drive
 
 from hamr_dynamics.effects.law import Form, Joint, Pair
 from hamr_dynamics.effects.library import find
-from hidden_gap.laws import LAWS, TAU
+from hidden_gap.laws.law import LAWS, TAU
 
 angle = st.floats(-0.5, 0.5)
 

@@ -7,8 +7,8 @@ import pytest
 
 from hamr_description.names import LEGS
 from hamr_description.numbers import value
+from hamr_gap.data.record import Record
 from hamr_gap.legs import SHAKEN_MS, clear_of_stops, machine_of
-from hamr_gap.record import Record
 
 CHANNELS = ("fl_swing", "fl_lift", "fl_swing_actuator", "fl_lift_actuator")
 STEP = 0.25  # ms

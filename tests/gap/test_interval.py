@@ -10,14 +10,14 @@ from scipy.stats import binomtest
 
 from hamr_dynamics.effects.law import Scales
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.fit import Fit, fit
-from hamr_gap.hypothesis import judge, settled
-from hamr_gap.interval import NORMAL_95, intervals
-from hamr_gap.linear import jacobian
-from hamr_gap.model import Model
-from hamr_gap.parameters import Candidate, Free, changes, effect_parameters
-from hamr_gap.record import Record
-from hamr_gap.weighed import Weighed
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.fit import Fit, fit
+from hamr_gap.fitting.linear import jacobian
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.parameters import Candidate, Free, changes, effect_parameters
+from hamr_gap.fitting.weighed import Weighed
+from hamr_gap.judging.interval import NORMAL_95, intervals
+from hamr_gap.naming.hypothesis import judge, settled
 
 MASS = linear_machine("test_interval", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass")
 CUBIC = Candidate("cubic_stiffness", "cubic", (0,))
@@ -61,8 +61,8 @@ def test_of_what_diverges_with_the_least_change_the_prior_alone_is_known(monkeyp
     def diverging(*about):
         return np.where(np.arange(len(free) + weighed.sensor_precision.size) == 1, np.inf, jacobian(*about))
 
-    monkeypatch.setattr("hamr_gap.interval.jacobian", diverging)
-    monkeypatch.setattr("hamr_gap.interval._together", lambda *_: np.full(1, np.nan))  # diverges as well
+    monkeypatch.setattr("hamr_gap.judging.interval.jacobian", diverging)
+    monkeypatch.setattr("hamr_gap.judging.interval._together", lambda *_: np.full(1, np.nan))  # diverges as well
     low, high = intervals(weighed, found).T
     assert np.isfinite([low, high]).all()
     assert (high - low)[1] / 2 == pytest.approx(NORMAL_95 * free[1].sd)

@@ -13,18 +13,18 @@ from hamr_description.errors import BagError, ConfigError, HamrError
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.machine import Machine, Terms, linear_machine
 from hamr_dynamics.stops import stop_force
-from hamr_gap.columns import UNITS, record_of
-from hamr_gap.model import EDGE, Model
-from hamr_gap.parameters import Candidate, changes, effect_parameters
-from hamr_gap.pieces import moving
+from hamr_gap.data.columns import UNITS, record_of
+from hamr_gap.data.read_table import read_columns
+from hamr_gap.data.readings import noise_of
+from hamr_gap.data.record import Record, joined
+from hamr_gap.fitting.model import EDGE, Model
+from hamr_gap.fitting.parameters import Candidate, changes, effect_parameters
+from hamr_gap.fitting.pieces import moving
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.judging.weigh import weigh
+from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.search import search
 from hamr_gap.plants import load
-from hamr_gap.prepare import prepare
-from hamr_gap.read_table import read_columns
-from hamr_gap.readings import noise_of
-from hamr_gap.record import Record, joined
-from hamr_gap.scales import scales_of
-from hamr_gap.search import search
-from hamr_gap.weigh import weigh
 
 UNIT = {"F": "N", "Q": "m", "T": "s", "U": "N"}
 CART = linear_machine("test_cart", inertia=2.0, damping=3.0, joint="cart", units=UNIT)

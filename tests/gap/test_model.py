@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from hamr_dynamics import machine_kernel
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.parameters import changes
+from hamr_gap.fitting.scales import scales_of
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model
-from hamr_gap.parameters import changes
-from hamr_gap.record import Record
-from hamr_gap.scales import scales_of
 
 LEG = machine_of("simple", "fl")
 SUBSTEPS, MEAN = 2, 5

@@ -9,18 +9,18 @@ from scipy.signal import butter, sosfilt
 from hamr_description.errors import BagError
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.machine import linear_machine, with_motion
-from hamr_gap.analyse import analyse
-from hamr_gap.candidates import candidates
-from hamr_gap.columns import record_of
+from hamr_gap.data.columns import record_of
+from hamr_gap.data.motion import coordinates, measured_by
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.fitting.weighed import Weighed
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.judging.unexplained import shared
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model
-from hamr_gap.motion import coordinates, measured_by
+from hamr_gap.naming.candidates import candidates
+from hamr_gap.naming.prepare import prepare
 from hamr_gap.plants import run
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.scales import scales_of
-from hamr_gap.unexplained import shared
-from hamr_gap.weighed import Weighed
 
 MODEL = """
 from hamr_dynamics.machine import linear_machine

@@ -12,21 +12,22 @@ from scipy.signal import lfilter
 
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
-from hamr_gap import single_effects, threads
-from hamr_gap.colour import correlation_time
-from hamr_gap.descent import FIRST
-from hamr_gap.fit import fit
+from hamr_gap.data.readings import fresh
+from hamr_gap.data.record import Record
+from hamr_gap.fitting import threads
+from hamr_gap.fitting.descent import FIRST
+from hamr_gap.fitting.fit import fit
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.parameters import Candidate, effect_parameters
+from hamr_gap.fitting.sensors import Sensors
 from hamr_gap.flagship_find import recorded
-from hamr_gap.hypothesis import Start, refine, refined
+from hamr_gap.judging.colour import correlation_time
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model
-from hamr_gap.moves import ALONE, apart, at_both, look, pairs_of, promising, singles
-from hamr_gap.parameters import Candidate, effect_parameters
-from hamr_gap.prepare import Prepared, prepare
-from hamr_gap.readings import fresh
-from hamr_gap.record import Record
-from hamr_gap.sensors import Sensors
-from hamr_gap.simpler import as_narrow, in_its_place, narrowed, special_cases, without
+from hamr_gap.naming import single_effects
+from hamr_gap.naming.hypothesis import Start, refine, refined
+from hamr_gap.naming.moves import ALONE, apart, at_both, look, pairs_of, promising, singles
+from hamr_gap.naming.prepare import Prepared, prepare
+from hamr_gap.naming.simpler import as_narrow, in_its_place, narrowed, special_cases, without
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
 FRICTION = Candidate("coulomb_friction", "presliding", (0,))
@@ -126,7 +127,7 @@ def test_a_coupled_potential_gives_way_to_the_one_spring_that_it_is():
 
 def test_a_spring_across_both_angles_is_tried_at_each_joint_by_itself(rubbing, monkeypatch):
     """From where it is: the same centre, width and stiffness."""
-    monkeypatch.setattr("hamr_gap.simpler.refined", lambda weighed, judged, wanted: wanted)
+    monkeypatch.setattr("hamr_gap.naming.simpler.refined", lambda weighed, judged, wanted: wanted)
     oblique = Candidate("configuration_dependent_stiffness", "oblique", (0, 1))
     h = fitted(rubbing, oblique)
     own = {s.effects[0]: s for s in special_cases(rubbing.weighed, rubbing.judged, h) if s.effects[0].effect == oblique.effect}
@@ -174,7 +175,7 @@ def test_only_what_the_linear_picture_likes_is_simulated_alone_but_all_of_it_in_
     seen = look(rubbing.weighed, rubbing.base.fit, everything)
     alone = {}
     for count in (1, 3):
-        monkeypatch.setattr("hamr_gap.moves.LIKED", count)
+        monkeypatch.setattr("hamr_gap.naming.moves.LIKED", count)
         alone[count] = singles(rubbing.weighed, rubbing.base.fit, seen, everything)
     assert {s.effects[0].name for s in alone[1]} == {FRICTION.name}
     assert {s.effects[0] for s in alone[3]} == set(everything)
@@ -287,7 +288,7 @@ def test_derivatives_that_promise_in_vain_are_taken_again_more_coarsely(rubbing,
     weighed = replace(rubbing.weighed, chosen=moving)
     starts = [np.array([*rubbing.base.fit.x, level, 1e-3]) for level in np.geomspace(0.03, 0.1, 16)]
     coarse = [fit(weighed, free, x).cost for x in starts]
-    monkeypatch.setattr("hamr_gap.descent.FORESEEN", np.inf)
+    monkeypatch.setattr("hamr_gap.fitting.descent.FORESEEN", np.inf)
     fine = [fit(weighed, free, x).cost for x in starts]
     assert sum(coarse) < 0.8 * sum(fine)
 
@@ -299,7 +300,7 @@ def test_steps_beyond_newtons_lead_on_along_what_sticks_and_slips(monkeypatch):
     added, shares = free[len(stuck.base.fit.x) :], np.geomspace(0.05, 2.7, 32)
     starts = [np.array([*stuck.base.fit.x, *(f.center or share * f.sd / 30 for f in added)]) for share in shares]
     beyond = np.array([fit(stuck.weighed, free, x).cost for x in starts])
-    monkeypatch.setattr("hamr_gap.descent.FIRST", np.minimum(FIRST, 1.0))
+    monkeypatch.setattr("hamr_gap.fitting.descent.FIRST", np.minimum(FIRST, 1.0))
     capped = np.array([fit(stuck.weighed, free, x).cost for x in starts])
     found = 1.05 * min(beyond.min(), capped.min())
     assert np.sum(beyond < found) > 1.5 * np.sum(capped < found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from io import BytesIO
 
-from hamr_gap.plots import left_by_names
+from hamr_gap.showing.plots import left_by_names
 
 NAMES = ("configuration_dependent_transmission", "configuration_dependent_inertia", "configuration_dependent_damping")
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hamr_description.errors import BagError
-from hamr_gap.roles import DEAD_S, DEAD_SHARE, SHARES, roles_of
+from hamr_gap.fitting.roles import DEAD_S, DEAD_SHARE, SHARES, roles_of
 
 
 def roles(readings: int, *more: int, rest: bool = False, lost: slice = slice(0)) -> dict[str, np.ndarray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hamr_gap.sensors import Sensors, late, slope
+from hamr_gap.fitting.sensors import Sensors, late, slope
 
 STEP = 1e-3
 TIME = STEP * np.arange(400)

@@ -15,18 +15,18 @@ import pytest
 
 from hamr_dynamics.machine import Machine, Terms
 from hamr_dynamics.scalar import cos, sin
-from hamr_gap import single_effects
-from hamr_gap import sought as sought_module
-from hamr_gap import tune as tune_module
-from hamr_gap.analyse import analyse
-from hamr_gap.candidates import candidates
-from hamr_gap.columns import record_of
-from hamr_gap.hypothesis import Start
-from hamr_gap.moves import look
-from hamr_gap.pieces import moving
-from hamr_gap.prepare import prepare
-from hamr_gap.readings import sensor_noise
-from hamr_gap.record import joined
+from hamr_gap.data.columns import record_of
+from hamr_gap.data.readings import sensor_noise
+from hamr_gap.data.record import joined
+from hamr_gap.fitting import tune as tune_module
+from hamr_gap.fitting.pieces import moving
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.naming import single_effects
+from hamr_gap.naming import sought as sought_module
+from hamr_gap.naming.candidates import candidates
+from hamr_gap.naming.hypothesis import Start
+from hamr_gap.naming.moves import look
+from hamr_gap.naming.prepare import prepare
 
 INERTIA, WEIGHT, DAMPING, GAIN = 0.0067, 0.48, 0.04, 0.096  # kg m^2, N m at a right angle, N m s, N m/V
 COUNT, STEP, VOLTS, SPEED = 2.0 * math.pi / 4096, 5.3e-3, 7.4, 0.3  # rad, s, V, rad/s

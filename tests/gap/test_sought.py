@@ -13,17 +13,18 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import with_motion
-from hamr_gap import analyse, search
-from hamr_gap.candidates import candidates
-from hamr_gap.fit import fit
-from hamr_gap.hypothesis import Start, refine
+from hamr_gap.fitting.fit import fit
+from hamr_gap.fitting.parameters import Candidate, effect_parameters
+from hamr_gap.fitting.weighed import Weighed
+from hamr_gap.judging import analyse
 from hamr_gap.legs import machine_of
-from hamr_gap.moves import first_families, first_of_each, look, singles
-from hamr_gap.parameters import Candidate, effect_parameters
-from hamr_gap.prepare import Prepared, prepare
-from hamr_gap.simpler import special_cases
-from hamr_gap.sought import sought
-from hamr_gap.weighed import Weighed
+from hamr_gap.naming import search
+from hamr_gap.naming.candidates import candidates
+from hamr_gap.naming.hypothesis import Start, refine
+from hamr_gap.naming.moves import first_families, first_of_each, look, singles
+from hamr_gap.naming.prepare import Prepared, prepare
+from hamr_gap.naming.simpler import special_cases
+from hamr_gap.naming.sought import sought
 
 BRISTLES = Candidate("coulomb_friction", "lugre", (0, 1))
 
@@ -44,7 +45,7 @@ def bold(prepared: Prepared, c: Candidate, share: float = 1.0) -> Start:
 
 def test_short_pieces_lead_where_free_runs_rest_elsewhere(sticking, monkeypatch):
     """From near and far: where fits of free runs rest hangs on rounding, so that some of them do is all that can be said."""
-    monkeypatch.setattr("hamr_gap.sought.ROUGH", 0.0)
+    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 0.0)
     starts = [bold(sticking, BRISTLES, share) for share in (1.0, 0.8, 0.6, 0.4)]
     fitted = sought(sticking.weighed, sticking.judged, starts)
     direct, led = fitted[: len(starts)], fitted[len(starts) :]
@@ -60,10 +61,10 @@ def test_nothing_is_led_beside_what_explains_the_record(sticking, monkeypatch):
     about = (sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])
     missed = sticking.weighed.missed(known.fit.reading).max()
     monkeypatch.setattr(Weighed, "in_pieces", property(lambda weighed: 1 / 0))
-    monkeypatch.setattr("hamr_gap.sought.ROUGH", 1.01 * missed)
+    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 1.01 * missed)
     (found,) = sought(*about)
     assert found.effects == (FRICTION,)
-    monkeypatch.setattr("hamr_gap.sought.ROUGH", 0.99 * missed)
+    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 0.99 * missed)
     assert len(sought(*about, rough=False)) == 1
     with pytest.raises(ZeroDivisionError):
         sought(*about)
@@ -74,8 +75,8 @@ def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(monkeypat
     rubbing = prepare(machine_of("simple", "fl"), shaken("coulomb_friction.presliding", {"level.0": 4e-3, "distance.0": 0.005}))
     starts = [bold(rubbing, Candidate("quadratic_damping", "square", (joint,))) for joint in (0, 1)]
     led = []
-    monkeypatch.setattr("hamr_gap.sought.fit", lambda weighed, *more, **how: (led.append(weighed), fit(weighed, *more, **how))[1])
-    monkeypatch.setattr("hamr_gap.sought.FIRST", 1)
+    monkeypatch.setattr("hamr_gap.naming.sought.fit", lambda weighed, *more, **how: (led.append(weighed), fit(weighed, *more, **how))[1])
+    monkeypatch.setattr("hamr_gap.naming.sought.FIRST", 1)
     assert len(sought(rubbing.weighed, rubbing.judged, starts)) == 2
     assert sum(weighed.model.pieces is not None for weighed in led) == 1
 
@@ -87,7 +88,7 @@ def test_of_two_names_alike_each_is_tried_from_the_others_numbers(monkeypatch):
     lag, latency = special_cases(late.weighed, late.judged, delay)
     assert (lag.names, latency.names) == (frozenset({("drive_lag", (1,))}), frozenset({("sensor_latency", (1,))}))
     assert lag.left < 1.1 < delay.left
-    monkeypatch.setattr("hamr_gap.simpler.refined", lambda weighed, judged, wanted: wanted)
+    monkeypatch.setattr("hamr_gap.naming.simpler.refined", lambda weighed, judged, wanted: wanted)
     tried = (delay.fit, *special_cases(late.weighed, late.judged, delay))
     known, *begun = ({f.row: x for f, x in zip(at.free, at.x, strict=True)} for at in tried)
     rows = "drive_lag.first_order.time.1", "sensor_latency.pade.delay.1"
@@ -95,7 +96,7 @@ def test_of_two_names_alike_each_is_tried_from_the_others_numbers(monkeypatch):
 
 
 def test_every_name_that_another_is_taken_for_is_tried_in_its_place_whatever_it_acts_on(sticking, monkeypatch):
-    monkeypatch.setattr("hamr_gap.simpler.refined", lambda weighed, judged, wanted: [start.effects[0].name for start in wanted])
+    monkeypatch.setattr("hamr_gap.naming.simpler.refined", lambda weighed, judged, wanted: [start.effects[0].name for start in wanted])
     base, possible = sticking.base, candidates(sticking.weighed.model.machine, sticking.weighed.model.record)
     for c in possible:
         free = effect_parameters((c,), sticking.weighed.model.scales)

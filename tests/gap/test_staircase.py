@@ -9,14 +9,14 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.fitting.sensors import late
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.scales import scales_of
-from hamr_gap.search import Search, with_steps
-from hamr_gap.sensors import late
-from hamr_gap.staircase import staircase
+from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.search import Search, with_steps
+from hamr_gap.naming.staircase import staircase
 
 TIME = np.arange(24000) / 4000.0
 ANGLE = 0.15 * np.sin(2 * np.pi * 13.0 * TIME) + 0.08 * np.sin(2 * np.pi * 29.3 * TIME + 1.0)

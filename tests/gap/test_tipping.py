@@ -11,12 +11,12 @@ from hanging import hanging
 from scipy.signal import butter, cont2discrete, lfilter, sosfilt
 
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.analyse import analyse
-from hamr_gap.initial_states import InitialStates
-from hamr_gap.model import Model
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.scales import scales_of
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.initial_states import InitialStates
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.naming.prepare import prepare
 
 INERTIA, WEIGHT, DAMPING, STEP = 0.06, 1.0, 0.01, 5e-3  # kg m^2, N m at a right angle, N m s, s
 NOISE = 2e-3  # rad

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hamr_description.names import LEGS
-from hamr_gap.answer import answer
-from hamr_gap.found import Found
-from hamr_gap.together import ALIKE, together
+from hamr_gap.answers.answer import answer
+from hamr_gap.answers.found import Found
+from hamr_gap.answers.together import ALIKE, together
 
 LEVER, BOTH, LAG = ("lever",), ("lever", "inertia"), ("lag",)
 

@@ -8,11 +8,11 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfilt
 
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.analyse import analyse
-from hamr_gap.found import find
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.show import show
+from hamr_gap.answers.found import find
+from hamr_gap.data.record import Record
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.naming.prepare import prepare
+from hamr_gap.showing.show import show
 
 SLIDE = linear_machine("slide", inertia=1.0, stiffness=20.0, damping=6.0, joint="slide")
 
@@ -58,7 +58,7 @@ def test_friction_that_grows_with_the_load_is_told_from_what_does_not():
 
 
 def test_what_stays_in_short_runs_is_shown_in_them(monkeypatch):
-    monkeypatch.setattr("hamr_gap.searched._mended", lambda *_: None)
+    monkeypatch.setattr("hamr_gap.naming.searched._mended", lambda *_: None)
     record = sticking(4.0)
     found = find(SLIDE, record)
     assert found.simulation["piece"] > 0.0

@@ -11,18 +11,18 @@ from hanging import hanging
 from hamr_description.errors import BagError, ConfigError
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import Machine
-from hamr_gap.analyse import analyse
-from hamr_gap.candidates import candidates
-from hamr_gap.columns import record_of
-from hamr_gap.found import decides, find
-from hamr_gap.initial_states import InitialStates
+from hamr_gap.answers.found import decides, find
+from hamr_gap.data.columns import record_of
+from hamr_gap.data.record import Record
+from hamr_gap.fitting.initial_states import InitialStates
+from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.judging.analyse import analyse
 from hamr_gap.legs import machine_of
-from hamr_gap.model import Model
+from hamr_gap.naming.candidates import candidates
+from hamr_gap.naming.prepare import prepare
 from hamr_gap.plants import load
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.scales import scales_of
-from hamr_gap.show import show
+from hamr_gap.showing.show import show
 
 INERTIA, WEIGHT, DAMPING = 0.0033, 0.21, 3e-4  # kg m^2, N m at a right angle, N m s: as a data sheet might say
 COUNT = 2.0 * math.pi / 40_000  # rad, of the encoder

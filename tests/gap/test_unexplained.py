@@ -9,10 +9,10 @@ import pytest
 from scipy.signal import butter, cont2discrete, lfilter, sosfilt
 
 from hamr_dynamics.machine import linear_machine
-from hamr_gap.analyse import analyse
-from hamr_gap.prepare import prepare
-from hamr_gap.record import Record
-from hamr_gap.unexplained import shared, structural
+from hamr_gap.data.record import Record
+from hamr_gap.judging.analyse import analyse
+from hamr_gap.judging.unexplained import shared, structural
+from hamr_gap.naming.prepare import prepare
 
 LINE = linear_machine("mass", inertia=1.0, stiffness=900.0, damping=6.0, joint="mass")
 MASS = replace(LINE, name="both_sides", channels=("mass", "motor"), outputs=lambda q, slip: (q[0], q[0] + slip[0]))
@@ -69,7 +69,7 @@ def test_one_sensor_that_often_shows_far_more_than_noise_shows_motion(kicks, las
 @pytest.mark.parametrize(("kicks", "verdicts"), [(40.0, {"unknown"}), (2.0, {"parameters_only", "no_significant_gap"})])
 def test_where_names_help_a_little_no_gap_beyond_any_noise_is_one_of_parameters(monkeypatch, kicks, verdicts):
     """However seldom it shows: a slew limiter that was hit in a few blocks left 318 times the noise, and was called `parameters_only`."""
-    monkeypatch.setattr("hamr_gap.analyse.structural", lambda *_: False)
-    monkeypatch.setattr("hamr_gap.analyse._evidence", lambda *_: (10.0, 5.0))
+    monkeypatch.setattr("hamr_gap.judging.analyse.structural", lambda *_: False)
+    monkeypatch.setattr("hamr_gap.judging.analyse._evidence", lambda *_: (10.0, 5.0))
     found = analyse(MASS, kicked(kicks, 0.0))
     assert found.search.best.effects and found.verdict.verdict in verdicts

@@ -16,7 +16,7 @@ from hamr_bags.as_measured import NOISE, strokes
 from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
-from hamr_gap import threads
+from hamr_gap.fitting import threads
 from hamr_gap.walking import fit as fits
 from hamr_gap.walking import robot
 from hamr_gap.walking.fit import SETTLING, fit

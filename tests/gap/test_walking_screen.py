@@ -17,7 +17,7 @@ from hamr_gap.walking.setting import Candidate, Setting, retune
 from hamr_gap.walking.starts import start
 from hidden_gap.case import Effect
 from hidden_gap.ground import write
-from hidden_gap.ground_case import GroundCase
+from hidden_gap.ground.case import GroundCase
 
 TROT = {"kind": "trot", "seconds": 1.2, "frequency_hz": 16.0, "amplitude": 50.0}
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hamr_gap.hypothesis import Hypothesis
+from hamr_gap.naming.hypothesis import Hypothesis
 from hamr_gap.walking import analyse, candidates, screen, search
 from hamr_gap.walking.setting import Candidate, Setting
 

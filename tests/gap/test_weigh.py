@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hamr_gap.blocks import better, foreseen
-from hamr_gap.hypothesis import Hypothesis
-from hamr_gap.parameters import Candidate
-from hamr_gap.search import Search
-from hamr_gap.weigh import UNKNOWN, weigh
+from hamr_gap.fitting.parameters import Candidate
+from hamr_gap.judging.weigh import UNKNOWN, weigh
+from hamr_gap.naming.blocks import better, foreseen
+from hamr_gap.naming.hypothesis import Hypothesis
+from hamr_gap.naming.search import Search
 
 
 def weights(spread: float = 0.01, numbers: dict[str, int] | None = None, **left: float) -> dict[str, float]:

@@ -23,6 +23,8 @@ LAYERS = (
     "hamr_gap",
     "hamr_bringup",
 )
+#: The same for the folders of hamr_gap; what stands above them all is the ways in.
+INSIDE_GAP = ("data", "fitting", "naming", "judging", "experiments", "answers", "showing")
 #: What nodes have in common lives there, so node files may import it from below; hamr_bags cannot declare so, as it is needed there itself.
 SHARED_BY_NODES = "hamr_controller"
 #: A second program beside hamr_gap's, its adversary.
@@ -77,6 +79,23 @@ def test_the_adversary_of_the_gap_workflow_shares_no_dynamics_with_it():
     assert solver
     for file in solver:
         assert not any(name.split(".")[0] == ADVERSARY for name in imports(file)), f"{file.name} must not know what hides"
+
+
+@pytest.mark.parametrize("folder", INSIDE_GAP)
+def test_a_folder_of_the_gap_workflow_imports_only_those_before_it(folder):
+    root = SOURCE / "hamr_gap" / "hamr_gap"
+    files = sorted((root / folder).rglob("*.py"))
+    assert files
+    for file in files:
+        above = {relative.split(".")[0] for relative in upward(file)}
+        assert above <= set(INSIDE_GAP[: INSIDE_GAP.index(folder)]), f"{folder}/{file.name} imports {above}"
+
+
+def upward(file: Path) -> Iterator[str]:
+    """Modules that a file imports from beside its folder, as named from there."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level == 2:
+            yield from [node.module] if node.module else [alias.name for alias in node.names]
 
 
 def test_declared_dependencies_have_no_cycle():

@@ -27,8 +27,8 @@ from hamr_dynamics.effects.law import Pair, Scales
 from hamr_dynamics.machine import Machine
 from hamr_sim_full.actuator import bender
 
+from .fitting.parameters import Candidate
 from .legs import machine_of
-from .parameters import Candidate
 
 GRID = np.linspace(-0.4, 0.4, 17)  # rad, of both angles: the paper's white noise goes to 0.5 at most, and two standard deviations are 0.37
 SMALL = 1e-4  # rad, of differences

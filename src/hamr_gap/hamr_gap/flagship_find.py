@@ -17,14 +17,14 @@ from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 from hamr_dynamics import machine_kernel
 
-from .analyse import analyse
+from .answers.found import in_words
+from .data.record import Record
+from .fitting.parameters import effect_parameters
 from .flagship import EFFECTS, differences, scales
-from .found import in_words
-from .hypothesis import Hypothesis, Start, refine
+from .judging.analyse import analyse
 from .legs import machine_of
-from .parameters import effect_parameters
-from .prepare import Prepared
-from .record import Record
+from .naming.hypothesis import Hypothesis, Start, refine
+from .naming.prepare import Prepared
 
 PER_READING = 5  # servo samples for each of the encoder's
 MOST = 12  # rows

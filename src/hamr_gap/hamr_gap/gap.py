@@ -14,11 +14,11 @@ from hamr_description.errors import BagError, HamrError
 from hamr_description.names import LEGS
 from hamr_dynamics.plant import plant
 
-from .found import Found
+from .answers.found import Found
+from .data.measured import Samples, environment, read
+from .data.record import Record, joined
 from .legs import machine_of, record_of
-from .measured import Samples, environment, read
 from .progress import side_by_side
-from .record import Record, joined
 from .study import Part, conclude, stored
 
 STILL = 0.05  # of its usual size, that a drive has at first where the machine begins at rest

@@ -15,7 +15,7 @@ from hamr_description.units import length_from_si
 from hamr_dynamics.machine import Machine, leg_machine
 from hamr_dynamics.plant import plant
 
-from .record import Record
+from .data.record import Record
 
 NEAR_STOP = 0.95  # of the way to an end stop, that a tip must have gone to have met it: its sensor is off by some per cent
 #: For which a hit is remembered, as long as it leaves this share of the readings: how hard it was rings on for five time constants of the

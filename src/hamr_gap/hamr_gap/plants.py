@@ -15,8 +15,8 @@ from hamr_description.errors import ConfigError
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.machine import Machine, with_motion
 
-from .columns import record_of
-from .record import Record, joined
+from .data.columns import record_of
+from .data.record import Record, joined
 from .study import study
 
 

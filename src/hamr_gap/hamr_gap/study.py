@@ -9,7 +9,6 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,15 +17,16 @@ from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects import effects_file
 from hamr_dynamics.machine import Machine
 
-from . import emit
-from .answer import answer
-from .drives_bag import write_drives
-from .found import STATES, Found, find
-from .overlay import write_overlay
-from .record import Record
-from .report import write_report
-from .show import closed, show
-from .together import together
+from .answers.answer import answer
+from .answers.found import STATES, Found, find
+from .answers.together import together
+from .answers.version import code
+from .data.drives_bag import write_drives
+from .data.record import Record
+from .showing import emit
+from .showing.overlay import write_overlay
+from .showing.report import write_report
+from .showing.show import closed, show
 
 NAMED, HASH, VERDICT = "named.json", "verdict.sha256", "verdict.json"
 EFFECTS, REPORT, OVERLAY, EXPERIMENT = "effects.yaml", "report.html", "overlay", "experiment"
@@ -136,12 +136,7 @@ def _mean(x: list[float]) -> float:
 def _key(machine: Machine, record: Record, seed: int) -> str:
     """Hash of the data, of the machine's traced equations with every effect, and of the workflow's code."""
     said = f"{seed} {record.channels} {record.step} {record.held} {record.hold} {record.rest} {record.drives_per_reading} {record.breaks}"
-    digest = hashlib.sha256("\0".join((said, machine_kernel.source(machine), _code())).encode())
+    digest = hashlib.sha256("\0".join((said, machine_kernel.source(machine), code())).encode())
     for array in (record.drives, record.readings):
         digest.update(np.ascontiguousarray(array, "<f8").tobytes())
     return digest.hexdigest()
-
-
-@cache
-def _code() -> str:
-    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))).hexdigest()

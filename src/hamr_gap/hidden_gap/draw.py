@@ -12,7 +12,7 @@ from hamr_description.errors import ConfigError
 
 from .case import CHANNELS, JOINTS, Case, Effect
 from .conditions import conditions, null
-from .laws import LAWS, Law
+from .laws.law import LAWS, Law
 from .sizing import Sizer
 from .twins import twin
 

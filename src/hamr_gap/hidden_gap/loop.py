@@ -12,7 +12,7 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-from .laws import ARMATURE, COMMAND, GAIN, RQ, RTAU, RV, TAU, TIP, Q, U, V
+from .laws.law import ARMATURE, COMMAND, GAIN, RQ, RTAU, RV, TAU, TIP, Q, U, V
 
 FAR = 3.0  # rad; beyond, a run counts as diverged
 

@@ -16,7 +16,7 @@ from hamr_description.simple_constants import simple_constants
 from hamr_description.units import length_to_si, time_from_si
 
 from .case import JOINTS, Effect, Truth
-from .laws import LAWS
+from .laws.law import LAWS
 from .machine import FACTORS, TIME_SHIFT, change, neutral
 from .simulate import SAMPLE_HZ, play, rough
 

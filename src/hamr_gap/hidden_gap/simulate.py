@@ -14,12 +14,11 @@ from hamr_description.numbers import value
 from hamr_description.rates import SERVO_HZ, SERVO_MS
 from hamr_description.units import length_to_si, time_to_si
 
-from . import actuator, body, friction, outside, outside_devices, outside_memory, piezo, springs  # noqa: F401 - they register their laws
 from .case import JOINTS, Case, Effect, Truth
-from .laws import LAWS, SIZE, address
+from .laws.law import LAWS, SIZE, address
+from .laws.sensor import sensed
 from .loop import run, step_address
 from .machine import TIME_SHIFT, change, machine, rest_mass
-from .sensor import sensed
 
 #: Samples kept per second, and every how many servo samples.
 SAMPLE_HZ = 4000

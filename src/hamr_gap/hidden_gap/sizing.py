@@ -11,7 +11,7 @@ import numpy as np
 from hamr_description.errors import ModelError
 
 from .case import Case, Effect, Truth
-from .laws import LAWS
+from .laws.law import LAWS
 from .noise import floors
 from .retune import MOST, Fit, Retune, Scale
 from .simulate import play

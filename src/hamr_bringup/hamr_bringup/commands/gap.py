@@ -48,7 +48,7 @@ class Study:
 
     def text(self, result: dict) -> str:
         """The verdict in plain sentences."""
-        from hamr_gap.words import sentences
+        from hamr_gap.showing.words import sentences
 
         kinds = (("Effects", "effects_file"), ("Report", "report"), ("Angles", "overlay"))
         files = [f"{name}: {result[key]}" for name, key in kinds if result.get(key)]

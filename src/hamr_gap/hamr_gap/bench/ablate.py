@@ -17,8 +17,10 @@ import tyro
 
 from hamr_description.errors import ConfigError, HamrError
 
-from .. import analyse, descent, moves, prepare, roles, search, single_effects, sought, tune, weigh, weighed
-from ..threads import use
+from ..fitting import descent, roles, tune, weighed
+from ..fitting.threads import use
+from ..judging import analyse, weigh
+from ..naming import moves, prepare, search, single_effects, sought
 from . import score
 from .cases import path
 from .run import blind

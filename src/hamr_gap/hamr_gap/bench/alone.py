@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 from hamr_description.errors import ConfigError, HamrError
 
-from ..analyse import analyse
+from ..judging.analyse import analyse
 from ..legs import machine_of
 from .cases import LEG, load
 

@@ -18,9 +18,9 @@ import hidden_gap
 from hidden_gap import ground
 from hidden_gap.case import JOINTS, LEG, Case, Effect, Truth
 
+from ..data.measured import Samples
+from ..data.record import Record
 from ..legs import record_of
-from ..measured import Samples
-from ..record import Record
 
 JUMPS = ("mix", "steps", "triangle")  # excitations whose drive is recorded at its own rate: slower samples lose when it jumps
 GROUPS = {"single": 0, "pair": 1, "triple": 2, "null": 3, "outside": 4, "twins": 5, "ground": 6, "ground_null": 7}

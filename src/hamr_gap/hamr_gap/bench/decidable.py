@@ -16,12 +16,12 @@ import numpy as np
 
 from hidden_gap.case import JOINTS, LEG, Case
 
-from ..apart import Follower, after, shapes, within
-from ..experiment import LENGTHS_S
-from ..hypothesis import Hypothesis
+from ..experiments.apart import Follower, after, shapes, within
+from ..experiments.experiment import LENGTHS_S
+from ..fitting.threads import use
+from ..fitting.weighed import Weighed
 from ..legs import record_of
-from ..threads import use
-from ..weighed import Weighed
+from ..naming.hypothesis import Hypothesis
 from .cases import case_of, samples_of
 from .ideal import fits_of, noise_free, truth_of
 from .score import kept_in, scored

@@ -19,12 +19,12 @@ from hamr_description.units import length_from_si
 from hidden_gap.case import JOINTS, LEG, Case
 from hidden_gap.noise import floors
 
-from ..candidates import candidates
-from ..hypothesis import Hypothesis, refine, residual, settled, starts
+from ..judging.stated import stated
 from ..legs import machine_of, record_of
-from ..prepare import Prepared, prepare
-from ..search import Search, search
-from ..stated import stated
+from ..naming.candidates import candidates
+from ..naming.hypothesis import Hypothesis, refine, residual, settled, starts
+from ..naming.prepare import Prepared, prepare
+from ..naming.search import Search, search
 from .cases import case_of, recorded, samples_of
 
 SHOWN = 8  # rivals that are written down

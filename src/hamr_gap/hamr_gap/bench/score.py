@@ -11,7 +11,7 @@ import numpy as np
 
 from hamr_description.names import JOINTS
 
-from ..weigh import COVERAGE
+from ..judging.weigh import COVERAGE
 from .rates import rate
 
 GROUND = ("ground", "ground_null")

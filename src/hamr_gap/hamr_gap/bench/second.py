@@ -11,8 +11,8 @@ import numpy as np
 import hidden_gap
 from hidden_gap.case import LEG, Case, Truth
 
-from ..drives_bag import volts_of
-from ..record import Record
+from ..data.drives_bag import volts_of
+from ..data.record import Record
 from .cases import case_of, load, samples_of, store
 
 FINER = 2  # times the step that the first run took: what it is asked for tells names apart that differ by little

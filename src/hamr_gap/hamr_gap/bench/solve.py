@@ -16,14 +16,14 @@ import numpy as np
 
 from hamr_description.errors import HamrError
 
-from ..analyse import analyse
-from ..found import decides
+from ..answers.found import decides
+from ..data.record import joined
+from ..fitting.threads import use
+from ..judging.analyse import analyse
+from ..judging.weigh import Weight
 from ..legs import machine_of
-from ..record import joined
-from ..threads import use
 from ..walking.analyse import analyse as analyse_walk
 from ..walking.bags import read
-from ..weigh import Weight
 from .cases import LEG, load
 
 

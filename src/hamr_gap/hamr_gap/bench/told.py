@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ..weigh import DECIDES, within
+from ..judging.weigh import DECIDES, within
 from . import decidable
 from .other import WAYS
 from .rates import rate

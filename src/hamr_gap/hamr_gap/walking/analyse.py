@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from threadpoolctl import threadpool_limits
 
-from ..analyse import CONFIRMED, SIGNIFICANT
-from ..blocks import better
-from ..hypothesis import Hypothesis
-from ..weigh import Weight, credible, weigh
+from ..judging.analyse import CONFIRMED, SIGNIFICANT
+from ..judging.weigh import Weight, credible, weigh
+from ..naming.blocks import better
+from ..naming.hypothesis import Hypothesis
 from .left import left_of
 from .search import Search, search
 from .starts import start

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..parameters import Free
+from ..fitting.parameters import Free
 from .eliminate import Eliminated, bounded
 from .replay import Replay, chord, half_squares
 from .setting import ZEROS, Candidate, Setting, setting

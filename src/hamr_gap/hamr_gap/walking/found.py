@@ -14,12 +14,12 @@ from hamr_dynamics.effects.effects_file import EffectsFile, parse
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.effects.si import si_factor, si_unit
 
-from ..colour import correlation_time
-from ..found import STATES, Found
-from ..hypothesis import Hypothesis
-from ..interval import NORMAL_95
-from ..parameters import Free
-from ..verdict import Answer, Estimate, Gap, NamedEffect, Verdict
+from ..answers.found import STATES, Found
+from ..fitting.parameters import Free
+from ..judging.colour import correlation_time
+from ..judging.interval import NORMAL_95
+from ..judging.verdict import Answer, Estimate, Gap, NamedEffect, Verdict
+from ..naming.hypothesis import Hypothesis
 from .analyse import analyse
 from .candidates import missing
 from .fit import Fit

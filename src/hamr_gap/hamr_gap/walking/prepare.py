@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..analyse import SMALLEST
-from ..hypothesis import Hypothesis
-from ..parameters import Free
+from ..fitting.parameters import Free
+from ..judging.analyse import SMALLEST
+from ..naming.hypothesis import Hypothesis
 from .fit import Fit, fit
 from .left import left_of, trimmed
 from .replay import Replay

@@ -18,7 +18,7 @@ from hamr_dynamics.machine import leg_machine
 from hamr_dynamics.plant import Plant, plant, with_effects
 from hamr_dynamics.set_effects import set_effects
 
-from ..threads import at_once
+from ..fitting.threads import at_once
 from .segments import POSITION, QD, QUATERNION, SPIN, STATE, VELOCITY, Q
 from .setting import Setting
 

@@ -11,7 +11,7 @@ import numpy as np
 from hamr_dynamics.effects.law import Form, Parameter
 from hamr_dynamics.effects.library import find
 
-from ..parameters import Free
+from ..fitting.parameters import Free
 from .candidates import PLACES, UNITS, Shapes, kind, shapes_of, units
 from .eliminate import Eliminated, bounded
 from .fit import Fit, columns, weights

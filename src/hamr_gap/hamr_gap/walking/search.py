@@ -10,8 +10,8 @@ import numpy as np
 
 from hamr_dynamics.effects.effects_file import OF_THE_CHASSIS
 
-from ..hypothesis import Hypothesis
-from ..parameters import Free
+from ..fitting.parameters import Free
+from ..naming.hypothesis import Hypothesis
 from .candidates import PLACES, forms, kind
 from .fit import ROUNDS, Fit, fit, limited
 from .left import left_of

@@ -16,8 +16,8 @@ from hamr_dynamics.effects.library import find
 from hamr_dynamics.effects.places import WORDS
 from hamr_dynamics.effects.si import si_factor
 
-from ..parameters import Free
-from ..weighed import GAIN_SD
+from ..fitting.parameters import Free
+from ..fitting.weighed import GAIN_SD
 
 ZEROS = ("height", "roll", "pitch", *JOINTS)  # errors of the sensors' zeros: of the chassis's height mm and tilt rad, of the angles rad
 ZERO_SD = (0.2, 0.02, 0.02, *(0.01 for _ in JOINTS))

@@ -11,12 +11,13 @@ import numpy as np
 
 from hamr_dynamics.effects import effects_file
 
-from ..answer import answer
-from ..found import STATES, Found
-from ..report import write_report
-from ..show import closed
+from ..answers.answer import answer
+from ..answers.found import STATES, Found
+from ..answers.together import together
+from ..answers.version import code
+from ..showing.report import write_report
+from ..showing.show import closed
 from ..study import EFFECTS, HASH, NAMED, REPORT, VERDICT
-from ..together import together
 from .bags import read
 from .found import ROBOT, by_channel, find, model_of, robot_of
 from .found import effects_file as found_effects
@@ -116,8 +117,7 @@ def _kept(whole: Segments, first: np.ndarray) -> Segments:
 def _stored(backend: str, walk: Walk, out: Path, report: Callable[[str], None]) -> Found:
     """What was found, kept under a hash of data and code."""
     out.mkdir(parents=True, exist_ok=True)
-    code = b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))
-    digest = hashlib.sha256(f"{backend} {walk.step} {walk.breaks}".encode() + code)
+    digest = hashlib.sha256(f"{backend} {walk.step} {walk.breaks} {code()}".encode())
     for array in (walk.voltages, walk.angles, walk.seen, walk.position, walk.quaternion):
         digest.update(np.ascontiguousarray(array, "<f8").tobytes())
     folder, key = out / "found" / ROBOT, digest.hexdigest()

@@ -11,8 +11,8 @@ import numpy as np
 from hamr_description.errors import BagError
 from hamr_description.names import JOINTS
 
-from ..readings import noise_of
-from ..record import Record
+from ..data.readings import noise_of
+from ..data.record import Record
 
 
 @dataclass(frozen=True, eq=False)  # known by identity, so that what is made of a whole walk can be kept

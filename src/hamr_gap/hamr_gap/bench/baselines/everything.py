@@ -8,14 +8,14 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear
 
-from ...candidates import candidates
-from ...fit import Fit
-from ...hypothesis import judge
-from ...interval import NORMAL_95, intervals
-from ...linear import jacobian
-from ...parameters import Candidate, Free, effect_parameters
-from ...prepare import Prepared
-from ...weighed import Weighed
+from ...fitting.fit import Fit
+from ...fitting.linear import jacobian
+from ...fitting.parameters import Candidate, Free, effect_parameters
+from ...fitting.weighed import Weighed
+from ...judging.interval import NORMAL_95, intervals
+from ...naming.candidates import candidates
+from ...naming.hypothesis import judge
+from ...naming.prepare import Prepared
 from .result import Path, Step, falling, together
 
 SURE = 3.0  # standard deviations

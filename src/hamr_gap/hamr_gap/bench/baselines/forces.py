@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from hamr_dynamics.machine import Machine
 
-from ...prepare import Prepared
+from ...naming.prepare import Prepared
 from .forced import forced
 from .motion import WIDER, Motion, low_pass, motion_of
 

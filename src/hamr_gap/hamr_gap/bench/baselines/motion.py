@@ -10,9 +10,9 @@ from scipy.signal import butter, sosfiltfilt
 
 from hamr_description.errors import BagError
 
-from ...prepare import Prepared
-from ...readings import noise_of
-from ...weighed import Sensors
+from ...data.readings import noise_of
+from ...fitting.weighed import Sensors
+from ...naming.prepare import Prepared
 
 ORDER = 4  # of the filter, run forth and back
 CUTOFFS = np.geomspace(0.003, 0.2, 25)  # per sample

@@ -8,10 +8,10 @@ import numpy as np
 
 from hamr_dynamics import machine_kernel
 
-from ...blocks import better
-from ...hypothesis import judge
-from ...model import Model
-from ...prepare import Prepared
+from ...fitting.model import Model
+from ...naming.blocks import better
+from ...naming.hypothesis import judge
+from ...naming.prepare import Prepared
 from .forces import forces_of
 from .result import Path, Step
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...analyse import SIGNIFICANT
-from ...blocks import better
-from ...hypothesis import Hypothesis, judge, left_of
-from ...parameters import Candidate
-from ...prepare import Prepared
-from ...roles import mask
-from ...search import noise_floor
+from ...fitting.parameters import Candidate
+from ...fitting.roles import mask
+from ...judging.analyse import SIGNIFICANT
+from ...naming.blocks import better
+from ...naming.hypothesis import Hypothesis, judge, left_of
+from ...naming.prepare import Prepared
+from ...naming.search import noise_floor
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from tqdm import tqdm
 from hamr_description.errors import ConfigError, HamrError
 
 from ...legs import machine_of
-from ...prepare import Prepared, prepare
+from ...naming.prepare import Prepared, prepare
 from ..cases import LEG, load
 from .everything import everything
 from .residual_network import network

@@ -10,12 +10,12 @@ import numpy as np
 
 from hamr_description.errors import ConfigError
 
-from ...candidates import candidates
-from ...fit import fit
-from ...hypothesis import Hypothesis, judge
-from ...parameters import Candidate, effect_parameters
-from ...prepare import Prepared
-from ...screen import Column, screen
+from ...fitting.fit import fit
+from ...fitting.parameters import Candidate, effect_parameters
+from ...naming.candidates import candidates
+from ...naming.hypothesis import Hypothesis, judge
+from ...naming.prepare import Prepared
+from ...naming.screen import Column, screen
 from .everything import single_places
 from .forces import Forces, forces_of
 from .result import Path, Step, together

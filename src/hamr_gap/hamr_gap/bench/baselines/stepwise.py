@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...candidates import candidates
-from ...colour import correlation_time
-from ...hypothesis import Hypothesis, Start, refine, residual, starts
-from ...parameters import Candidate
-from ...prepare import Prepared
-from ...screen import screen
-from ...weighed import Weighed
+from ...fitting.parameters import Candidate
+from ...fitting.weighed import Weighed
+from ...judging.colour import correlation_time
+from ...naming.candidates import candidates
+from ...naming.hypothesis import Hypothesis, Start, refine, residual, starts
+from ...naming.prepare import Prepared
+from ...naming.screen import screen
 from .result import Path, Step, falling
 
 FITTED = 10  # names of a round that are fitted for good

@@ -1,0 +1,1 @@
+"""What would decide between names: drive signals, and how far apart they would set what each name reads."""

@@ -1,0 +1,57 @@
+"""Fits of sets of effects, from where short pieces of the record lead as well, where no set explains what there is.
+
+What sticks, plays or hits a stop makes the cost of a free run rough: a run that lets go at another time than the machine did is lost
+from there on, and fits rest in the minima that this makes. A short run from a measured start has no time for that (multiple shooting,
+Bock 1983), so fits of these end near the right numbers, from which a free run is fitted for good.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ..fitting.fit import ROUGH, fit
+from ..fitting.threads import at_once
+from ..fitting.weighed import Weighed
+from .hypothesis import Hypothesis, Start, judge, refined
+
+STEPS, TOLERANCE = 15, 3e-3  # of fits that lead only
+NEAR = 3.0  # times the least that short pieces leave, up to which a set is fitted to free runs again
+FIRST = 6  # sets that are led at first, and the rest where that gains anything
+GAINS = 0.9  # of the cost of a fit that nothing led
+
+
+def sought(
+    weighed: Weighed, judged: np.ndarray, found: Iterable[Start], known: Iterable[Hypothesis] = (), *, rough: bool = True,
+) -> list[Hypothesis]:  # fmt: skip
+    """Fits several sets for good.
+
+    Args:
+        known: other hypotheses; if one of them or of these leaves little more than the noise, no other start is worth its time.
+        rough: whether short pieces may lead to more.
+
+    Returns:
+        One for each set, in their order, and then one more for each that short pieces led to less.
+    """
+    found = list(found)
+    fitted = refined(weighed, judged, found)
+    free = rough and fitted and not weighed.model.starts
+    if not free or any(weighed.missed(h.fit.reading).max() < ROUGH for h in (*fitted, *known)):
+        return fitted
+    order = sorted(range(len(found)), key=lambda k: fitted[k].fit.cost)
+    led: list[Hypothesis] = []
+    for part in (order[:FIRST], order[FIRST:]):
+        led += _led(weighed, judged, [found[k] for k in part], [fitted[k] for k in part])
+        if not led:
+            break
+    return [*fitted, *led]
+
+
+def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Those of some sets that short pieces lead to less."""
+    begun = at_once(lambda start: fit(weighed.in_pieces, start.free, start.x, steps=STEPS, tolerance=TOLERANCE), found)
+    least = min((f.cost for f in begun), default=0.0)
+    near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
+    again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)
+    return [judge(weighed, judged, at[0].effects, f) for at, f in zip(near, again, strict=True) if f.cost < GAINS * at[2]]
