@@ -11,11 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from walks import STEP, walked
 
-from hamr_bags.as_measured import NOISE, strokes
-from hamr_bags.excitation import excitation
 from hamr_description.errors import BagError
-from hamr_description.names import JOINTS, Topic
 from hamr_gap.fitting import threads
 from hamr_gap.walking import fit as fits
 from hamr_gap.walking import robot
@@ -29,35 +27,6 @@ from hamr_gap.walking.segments import CHANGES, apart, segments
 from hamr_gap.walking.setting import Candidate, Setting, effect_parameters, retune, setting
 from hamr_gap.walking.starts import start
 from hamr_gap.walking.walk import Walk, joined, product, turn_between, turned
-
-SECONDS = 1.2
-STEP = 0.25  # ms
-
-
-@cache
-def walked() -> tuple[Walk, np.ndarray]:
-    """A trot in MuJoCo: what was measured, and the true states at each pose."""
-    from hamr_sim_residual.mujoco_simple import simple_engine
-
-    engine, states, angles = simple_engine(), [], []
-    order = [engine.model.joint(joint).dofadr[0] - 6 for joint in JOINTS]
-    volts = excitation("trot", seconds=SECONDS, frequency_hz=16.0, amplitude=40.0).voltages
-    for k, v in enumerate(volts):
-        q, rates = engine.data.qpos[7:], engine.data.qvel[6:]
-        if k % 5 == 0:
-            angles.append(q[order].copy())
-        if k % 80 == 0:
-            states.append(np.concatenate([engine.data.qpos[:7], engine.data.qvel[:6], q[order], rates[order]]))
-        engine.substep(v)
-    return _measured(volts[::5], np.array(angles), np.array(states)), np.array(states)
-
-
-def _measured(volts: np.ndarray, angles: np.ndarray, states: np.ndarray) -> Walk:
-    rng = np.random.default_rng(1)
-    n, encoder = len(states), NOISE * strokes()[Topic.SERVO_JOINTS]
-    quaternion = turned(states[:, 3:7], rng.normal(0, 2e-3, (n, 3)))
-    position = states[:, :3] + rng.normal(0, 0.05, (n, 3))
-    return Walk(volts, angles + rng.normal(0, encoder, angles.shape), STEP, 16 * np.arange(n), position, quaternion)
 
 
 @given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6))

@@ -14,6 +14,10 @@ from hamr_description.names import JOINTS
 from ..data.readings import noise_of
 from ..data.record import Record
 
+#: The least that readings may scatter: angles as a share of their range (the finest encoder in use), poses in mm and rad. Those of a
+#: simulation are exact, but contact is stiff, and no fit finds starts closer.
+FINEST_ANGLE, FINEST_POSITION, FINEST_TURN = 2e-4, 0.02, 1e-3
+
 
 @dataclass(frozen=True, eq=False)  # known by identity, so that what is made of a whole walk can be kept
 class Walk:
@@ -23,6 +27,7 @@ class Walk:
         voltages: (n * k, 8) V, k for each sample. angles: (n, 8) rad. step: ms between samples.
         seen: (m,) samples at which the chassis was seen, rising. position: (m, 3) mm in the world.
         quaternion: (m, 4) wxyz. breaks: samples at which a new stretch begins, recorded at another time.
+        known: the noise where it is not to be taken from the readings.
     """
 
     voltages: np.ndarray
@@ -32,6 +37,7 @@ class Walk:
     position: np.ndarray
     quaternion: np.ndarray
     breaks: tuple[int, ...] = ()
+    known: Noise | None = None
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.angles).all():
@@ -52,9 +58,12 @@ class Walk:
 
     @cached_property
     def noise(self) -> Noise:
-        """Of the sensors, from differences of high order."""
+        """Of the sensors, from differences of high order; no less than the finest."""
+        if self.known:
+            return self.known
         path = np.cumsum(np.vstack([np.zeros(3), self.turns]), axis=0)  # smooth but for the noise of each pose
-        return Noise(noise_of(self.angles), noise_of(self.position), noise_of(path))
+        angle = np.maximum(noise_of(self.angles), FINEST_ANGLE * np.ptp(self.angles, axis=0))
+        return Noise(angle, np.maximum(noise_of(self.position), FINEST_POSITION), np.maximum(noise_of(path), FINEST_TURN))
 
 
 def joined(walks: Sequence[Walk]) -> Walk:

@@ -1,0 +1,47 @@
+"""Whether a walk can be followed at all: even gaits can, drives that jump cannot, and a simulation's exact readings can."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from walks import STEP, driven, walked
+
+from hamr_description.errors import BagError
+from hamr_gap.walking.followed import STRETCH_MS, followed, walk_of
+from hamr_gap.walking.robot import Robot
+from hamr_gap.walking.walk import FINEST_ANGLE, FINEST_POSITION, FINEST_TURN, Walk
+
+LENGTH_MS = 20.0
+
+
+def test_a_trot_leaves_the_noise_and_nothing_else():
+    assert 0.7 < followed(Robot("simple"), walked()[0], LENGTH_MS) < 1.3  # 0.86 is what the fitted starts leave of white noise
+
+
+def test_a_robot_of_our_own_walks_under_the_drives_of_the_other():
+    walk, _ = walked()
+    own, again = (walk_of(Robot("simple"), walk) for _ in range(2))
+    samples = round(STRETCH_MS / STEP)
+    assert np.array_equal(own.angles, again.angles)
+    assert own.noise is walk.noise
+    assert np.diff([0, *own.breaks]).max() <= samples
+    (first,) = np.flatnonzero((walk.voltages == own.voltages[0]).all(1))[:1]
+    assert np.array_equal(own.voltages[: samples - 1], walk.voltages[first : first + samples - 1])
+    assert np.sqrt(np.mean((own.angles[: samples - 1] - walk.angles[first : first + samples - 1]) ** 2)) < 0.2 * walk.angles.std()
+
+
+def test_drives_that_jump_as_a_policy_makes_them_are_refused_in_a_sentence():
+    held = np.random.default_rng(2).uniform(0.0, 225.0, (300, 8))  # targets change every 4 ms, and the drives at once
+    walk, _ = driven(np.repeat(held, 80, axis=0))
+    with pytest.raises(BagError, match=r"cannot be followed.*by \d+ times the noise within 20 ms.*record drives and poses more often"):
+        followed(Robot("simple"), walk, LENGTH_MS)
+
+
+def test_readings_without_noise_are_as_good_as_those_of_the_finest_sensors():
+    t = np.arange(4000) * STEP
+    angles = 0.2 * np.sin(0.05 * t[:, None] + np.arange(8.0))
+    seen = np.arange(0, 4000, 16)
+    position, quaternion = np.sin(0.01 * t[seen, None] + np.arange(3.0)), np.tile([1.0, 0.0, 0.0, 0.0], (len(seen), 1))
+    noise = Walk(np.full((4000, 8), 112.5), angles, STEP, seen, position, quaternion).noise
+    assert noise.angle == pytest.approx(FINEST_ANGLE * np.ptp(angles, axis=0))
+    assert (noise.position == FINEST_POSITION).all() and (noise.turn == FINEST_TURN).all()
