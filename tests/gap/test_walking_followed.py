@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 from walks import STEP, driven, walked
 
 from hamr_description.errors import BagError
-from hamr_gap.walking.followed import STRETCH_MS, followed, walk_of
+from hamr_gap.walking.followed import STRETCH_MS, followable, walk_of
 from hamr_gap.walking.robot import Robot
 from hamr_gap.walking.walk import FINEST_ANGLE, FINEST_POSITION, FINEST_TURN, Walk
 
@@ -15,7 +16,9 @@ LENGTH_MS = 20.0
 
 
 def test_a_trot_leaves_the_noise_and_nothing_else():
-    assert 0.7 < followed(Robot("simple"), walked()[0], LENGTH_MS) < 1.3  # 0.86 is what the fitted starts leave of white noise
+    walk, worse = followable(Robot("simple"), walked()[0], LENGTH_MS)
+    assert worse < 1.1
+    assert walk.noise.angle == pytest.approx(worse * walked()[0].noise.angle)
 
 
 def test_a_robot_of_our_own_walks_under_the_drives_of_the_other():
@@ -33,8 +36,16 @@ def test_a_robot_of_our_own_walks_under_the_drives_of_the_other():
 def test_drives_that_jump_as_a_policy_makes_them_are_refused_in_a_sentence():
     held = np.random.default_rng(2).uniform(0.0, 225.0, (300, 8))  # targets change every 4 ms, and the drives at once
     walk, _ = driven(np.repeat(held, 80, axis=0))
-    with pytest.raises(BagError, match=r"cannot be followed.*by \d+ times the noise within 20 ms.*record drives and poses more often"):
-        followed(Robot("simple"), walk, LENGTH_MS)
+    with pytest.raises(BagError, match=r"cannot be followed.*by [\d.]+ % of their range within 20 ms.*record drives and poses more often"):
+        followable(Robot("simple"), walk, LENGTH_MS)
+
+
+def test_readings_finer_than_starts_can_be_told_count_as_less_fine():
+    walk, states = walked()
+    exact = Walk(walk.voltages, gaussian_filter1d(walk.angles, 4.0, axis=0), STEP, walk.seen, states[:, :3], states[:, 3:7])
+    worse = followable(Robot("simple"), exact, LENGTH_MS)[1]
+    assert 1.1 < worse < 30.0
+    assert followable(Robot("simple"), exact, LENGTH_MS)[1] == worse
 
 
 def test_readings_without_noise_are_as_good_as_those_of_the_finest_sensors():

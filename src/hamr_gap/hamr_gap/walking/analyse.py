@@ -60,7 +60,7 @@ def analyse(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: 
         chosen = credible(weights)
         word = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
         return Analysis(state, weights, word, chosen, chosen[0].hypothesis or state.base, evidence)
-    if state.base.left > UNEXPLAINED * max(state.floor, prepared.followed):
+    if state.base.left > UNEXPLAINED * state.floor:
         return Analysis(state, weights, "unknown", [Weight(None, 1.0, 1.0)], state.base, evidence)
     tuned = better(prepared.raw.blocks, state.base.blocks) > SIGNIFICANT and prepared.raw.left - state.base.left > prepared.least
     return Analysis(state, weights, "parameters_only" if tuned else "no_significant_gap", [], state.base, evidence)

@@ -17,31 +17,33 @@ from .starts import start
 from .walk import Noise, Walk, joined, turned
 
 STRETCH_MS, STRETCHES = 64.0, 24  # of what the model walks: a segment, what leads up to it, and poses to either side
-LOST = 3.0  # rms in noise that fitted starts may leave of the model itself: even walks leave 0.9 to 1.3, uneven ones 2
+COARSEST = 0.01  # of the range of the angles: sensors as bad as that are the worst that say anything
 
 
-def followed(robot: Robot, walk: Walk, length_ms: float) -> float:
-    """Mean square, in units of the noise, by which segments miss readings that the model itself made under the walk's drives.
+def followable(robot: Robot, walk: Walk, length_ms: float) -> tuple[Walk, float]:
+    """A walk whose readings count as no better than starts can be told, and by how much worse than the sensors that is (1 or more).
 
-    It is that of the noise where starts are found. It is far more where the chassis turns or drives jump faster than they were recorded:
-    then feet start where nobody knows, and no name would mean anything.
+    It is 1 where starts are found, as in a trot or a pronk. It is more where the chassis turns or drives jump faster than they were
+    recorded, or where readings are more exact than any fit of stiff contacts: what is missed then is missed with the right model too.
 
     Args:
         length_ms: of the segments.
 
     Raises:
-        BagError: so much is left that the walk says nothing about any model.
+        BagError: so much would be missed that the walk says nothing about any model.
     """
     own = walk_of(robot, walk)
     replay = Replay.of(robot, segments(own, length_ms=length_ms, every_ms=STRETCH_MS))
     left, _ = trimmed(start(replay, Setting()).residual[:, :-CHANGES])
-    if not left < LOST**2:
+    factor, noise = max(1.0, float(np.sqrt(left))), walk.noise
+    share = factor * float(np.median(noise.angle / np.ptp(walk.angles, axis=0)))
+    if not share < COARSEST:
         raise BagError(
-            f"This walk cannot be followed: a robot that is the model exactly would miss its own readings by {np.sqrt(left):.0f} times the "
-            f"noise within {length_ms:g} ms, for where each stretch starts cannot be told; let it move less abruptly (a gait with smooth "
-            f"drives; a policy makes them jump), or record drives and poses more often."
+            f"This walk cannot be followed: a robot that is the model exactly would miss its own angles by {100 * share:.1f} % of their "
+            f"range within {length_ms:g} ms, for where each stretch starts cannot be told; let it move less abruptly (a gait with smooth drives; "
+            f"a policy makes them jump), or record drives and poses more often."
         )
-    return left
+    return replace(walk, known=Noise(factor * noise.angle, factor * noise.position, factor * noise.turn)), factor
 
 
 def walk_of(robot: Robot, walk: Walk) -> Walk:

@@ -11,7 +11,6 @@ from ..fitting.parameters import Free
 from ..judging.analyse import SMALLEST
 from ..naming.hypothesis import Hypothesis
 from .fit import Fit, fit
-from .followed import followed
 from .left import left_of, trimmed
 from .replay import Replay
 from .robot import Numerics, Robot
@@ -36,7 +35,6 @@ class Prepared:
     Attributes:
         parts: role -> replay. starts: role -> starts under the re-tuned model. raw, base: the model as given, and re-tuned.
         numerical: rms by which finer steps move readings, in units of noise. floor: mean square that noise leaves.
-        followed: mean square that would be left of a robot that is the model exactly.
     """
 
     parts: dict[str, Replay]
@@ -45,7 +43,6 @@ class Prepared:
     base: Hypothesis
     numerical: float
     floor: float
-    followed: float
 
     @property
     def least(self) -> float:
@@ -74,7 +71,7 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
     """
     report("re-tune")
     whole = segments(walk, length_ms=LENGTH_MS, every_ms=LENGTH_MS)
-    part, own = roles(whole), followed(Robot(backend), walk, LENGTH_MS)
+    part = roles(whole)
     free, some = retune(Robot(backend).rest()), whole.some(part["fit"])
     robots = [Robot(backend, Numerics(1, slip)) for slip in SLIPS]
     brief = [(robot, _tuned(robot, some, free, GROWING_MS[:1])[1]) for robot in robots]
@@ -90,7 +87,7 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
     raw = start(parts["select"], Setting())
     nothing = Fit((), np.zeros(0), (), raw.change, raw.residual, 0.0, np.zeros((0, 0)))
     plain, base = (Hypothesis((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
-    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / replay.observed.readings, own)
+    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / replay.observed.readings)
 
 
 def _tuned(robot: Robot, some: Segments, free: Sequence[Free], lengths_ms: Sequence[float], found: Fit | None = None) -> tuple[Replay, Fit]:
