@@ -40,8 +40,8 @@ def followable(robot: Robot, walk: Walk, length_ms: float) -> tuple[Walk, float]
     if not share < COARSEST:
         raise BagError(
             f"This walk cannot be followed: a robot that is the model exactly would miss its own angles by {100 * share:.1f} % of their "
-            f"range within {length_ms:g} ms, for where each stretch starts cannot be told; let it move less abruptly (a gait with smooth drives; "
-            f"a policy makes them jump), or record drives and poses more often."
+            f"range within {length_ms:g} ms, for where each stretch starts cannot be told; let it move less abruptly (a gait with smooth "
+            f"drives; a policy makes them jump), or record drives and poses more often."
         )
     return replace(walk, known=Noise(factor * noise.angle, factor * noise.position, factor * noise.turn)), factor
 
