@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from scipy.ndimage import gaussian_filter1d
 from walks import STEP, driven, walked
 
 from hamr_description.errors import BagError
 from hamr_gap.walking.followed import STRETCH_MS, followable, walk_of
+from hamr_gap.walking.found import notes, seen_of
+from hamr_gap.walking.prepare import LENGTH_MS, prepare
 from hamr_gap.walking.robot import Robot
 from hamr_gap.walking.walk import FINEST_ANGLE, FINEST_POSITION, FINEST_TURN, Walk
-
-LENGTH_MS = 20.0
 
 
 def test_a_trot_leaves_the_noise_and_nothing_else():
@@ -37,14 +39,14 @@ def test_drives_that_jump_as_a_policy_makes_them_are_refused_in_a_sentence():
     held = np.random.default_rng(2).uniform(0.0, 225.0, (300, 8))  # targets change every 4 ms, and the drives at once
     walk, _ = driven(np.repeat(held, 80, axis=0))
     with pytest.raises(BagError, match=r"cannot be followed.*by [\d.]+ % of their range within 20 ms.*record drives and poses more often"):
-        followable(Robot("simple"), walk, LENGTH_MS)
+        prepare("simple", walk, lambda _: None)
 
 
 def test_readings_finer_than_starts_can_be_told_count_as_less_fine():
-    walk, states = walked()
-    exact = Walk(walk.voltages, gaussian_filter1d(walk.angles, 4.0, axis=0), STEP, walk.seen, states[:, :3], states[:, 3:7])
-    worse = followable(Robot("simple"), exact, LENGTH_MS)[1]
-    assert 1.1 < worse < 30.0
+    exact, _ = walked(0.0)
+    walk, worse = followable(Robot("simple"), exact, LENGTH_MS)
+    assert 1.1 < worse < 10.0
+    assert walk.noise.angle == pytest.approx(worse * FINEST_ANGLE * np.ptp(exact.angles, axis=0))
     assert followable(Robot("simple"), exact, LENGTH_MS)[1] == worse
 
 
@@ -56,3 +58,19 @@ def test_readings_without_noise_are_as_good_as_those_of_the_finest_sensors():
     noise = Walk(np.full((4000, 8), 112.5), angles, STEP, seen, position, quaternion).noise
     assert noise.angle == pytest.approx(FINEST_ANGLE * np.ptp(angles, axis=0))
     assert (noise.position == FINEST_POSITION).all() and (noise.turn == FINEST_TURN).all()
+
+
+def test_what_counts_as_noise_is_said_and_holds_for_the_readings_that_are_shown():
+    assert "2.6 times as noisy" in notes(2.64)[-1]
+    assert notes(1.1) == notes(1.0)
+    noise = replace(walked()[0], known=None).noise
+    found = SimpleNamespace(simulation={"noise": [[3.0 * x for x in each] for each in (noise.angle, noise.position, noise.turn)]})
+    shown = seen_of(found, walked()[0])
+    assert shown.noise.angle == pytest.approx(3.0 * noise.angle)
+    assert shown.noise.turn == pytest.approx(3.0 * noise.turn)
+
+
+def test_drives_under_which_the_model_diverges_are_refused_in_a_sentence():
+    walk, _ = walked()
+    with pytest.raises(BagError, match="diverges under the drives of this walk"):
+        followable(Robot("simple"), replace(walk, voltages=1e6 * walk.voltages), LENGTH_MS)

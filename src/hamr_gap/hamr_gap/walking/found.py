@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from .search import Search
 from .segments import CHANGES
 from .setting import Setting, setting
 from .starts import start
-from .walk import Walk
+from .walk import Noise, Walk
 
 ROBOT = "robot"
 BASE_CHANNELS = ("chassis_position", "chassis_turn")
@@ -37,6 +37,7 @@ NOTES = (
     "Every segment starts anew, from a state that is fitted with the model: what differs less than a start may be off shows as nothing.",
     "Clocks, and the zeros of the sensors and of the ground's height, were fitted along with the re-tune.",
 )
+WORSE = 1.2  # times the sensors' noise that readings count as, from which on it is said
 
 
 def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: None) -> Found:
@@ -56,11 +57,16 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
     verdict = Verdict(
         machine=ROBOT, joints=JOINTS, verdict=found.word, set=answers, parameters=_changes(state, best), gap=_gap(state, best),
         where=tuple(_where(observed, _residual(state, state.base.fit.model))), not_observable=silent, detectable={}, experiment=None,
-        notes=NOTES,
+        notes=notes(state.prepared.worse),
     )  # fmt: skip
     added = answers[0].effects if found.word in ("named", "ambiguous") else ()
     content = json.loads(json.dumps(asdict(verdict) | {"added": [asdict(e) for e in added]}))
     return Found(content, _tried(state), _simulation(state, best), {}, content["set"])
+
+
+def seen_of(found: Found, walk: Walk) -> Walk:
+    """A walk whose readings count as no better than those of the one that was studied."""
+    return replace(walk, known=Noise(*map(np.array, found.simulation["noise"])))
 
 
 def model_of(found: Found, state: str) -> Setting:
@@ -74,15 +80,23 @@ def robot_of(found: Found) -> Robot:
     return Robot(found.simulation["backend"], Numerics(**found.simulation["numerics"]))
 
 
+def notes(worse: float) -> tuple[str, ...]:
+    """What is said of any walk, and of one whose readings count as `worse` times as noisy as its sensors are."""
+    if worse < WORSE:
+        return NOTES
+    return *NOTES, f"Readings count as {worse:.1f} times as noisy as they are, for the starts of segments cannot be told better."
+
+
 def _simulation(state: Search, best: Hypothesis) -> dict:
     without = setting(best.fit.free, best.fit.x)
     models = dict(zip(STATES, (Setting(), state.base.fit.model, best.fit.model, without), strict=True))
-    robot = state.prepared.parts["fit"].robot
+    robot, noise = state.prepared.parts["fit"].robot, state.prepared.parts["fit"].segments.walk.noise
     plain = {
         name: {"effects": m.effects.as_dict(), "shift": m.shift, "zeros": list(m.zeros), "gains": list(m.gains)}
         for name, m in models.items()
     }
     return {"backend": robot.backend, "numerics": asdict(robot.numerics), "models": plain,
+            "noise": [x.tolist() for x in (noise.angle, noise.position, noise.turn)],
             "report": state.prepared.parts["report"].segments.first.tolist()}  # fmt: skip
 
 

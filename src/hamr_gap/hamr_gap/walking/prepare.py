@@ -11,6 +11,7 @@ from ..fitting.parameters import Free
 from ..judging.analyse import SMALLEST
 from ..naming.hypothesis import Hypothesis
 from .fit import Fit, fit
+from .followed import followable
 from .left import left_of, trimmed
 from .replay import Replay
 from .robot import Numerics, Robot
@@ -35,6 +36,7 @@ class Prepared:
     Attributes:
         parts: role -> replay. starts: role -> starts under the re-tuned model. raw, base: the model as given, and re-tuned.
         numerical: rms by which finer steps move readings, in units of noise. floor: mean square that noise leaves.
+        worse: times the sensors' noise that readings count as, for starts cannot be told better.
     """
 
     parts: dict[str, Replay]
@@ -43,6 +45,7 @@ class Prepared:
     base: Hypothesis
     numerical: float
     floor: float
+    worse: float
 
     @property
     def least(self) -> float:
@@ -70,6 +73,7 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
         BagError: the walk cannot be used; one sentence.
     """
     report("re-tune")
+    walk, worse = followable(Robot(backend), walk, LENGTH_MS)
     whole = segments(walk, length_ms=LENGTH_MS, every_ms=LENGTH_MS)
     part = roles(whole)
     free, some = retune(Robot(backend).rest()), whole.some(part["fit"])
@@ -87,7 +91,7 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
     raw = start(parts["select"], Setting())
     nothing = Fit((), np.zeros(0), (), raw.change, raw.residual, 0.0, np.zeros((0, 0)))
     plain, base = (Hypothesis((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
-    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / replay.observed.readings)
+    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / replay.observed.readings, worse)
 
 
 def _tuned(robot: Robot, some: Segments, free: Sequence[Free], lengths_ms: Sequence[float], found: Fit | None = None) -> tuple[Replay, Fit]:

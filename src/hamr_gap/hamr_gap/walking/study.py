@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +19,10 @@ from ..showing.report import write_report
 from ..showing.show import closed
 from ..study import EFFECTS, HASH, NAMED, REPORT, VERDICT
 from .bags import read
-from .followed import followable
-from .found import ROBOT, by_channel, find, model_of, robot_of
+from .found import ROBOT, by_channel, find, model_of, robot_of, seen_of
 from .found import effects_file as found_effects
 from .left import trimmed
-from .prepare import LENGTH_MS
 from .replay import Replay
-from .robot import Robot
 from .segments import CHANGES, Segments, segments
 from .starts import start
 from .strides import strides
@@ -34,7 +30,6 @@ from .walk import Walk
 
 SHOWN_MS = 50.0
 HORIZONS_MS = (8.0, 20.0, 50.0)
-WORSE = 1.2  # times the sensors' noise, from which on it is said
 #: A note that does not hold on the ground, where weight fixes the scale.
 DROPPED = "Drive and angle fix"
 
@@ -60,18 +55,15 @@ def run(measured: Sequence[str | Path], out: Path, backend: str, holdout: Sequen
 def study(backend: str, walk: Walk, out: Path, *, holdout: Callable[[], Walk] | None = None, command: str = "",
           report: Callable[[str], None] = lambda _: None) -> dict:  # fmt: skip
     """The same for what was measured already; `holdout` is called after the answer's hash is written."""
-    walk, worse = followable(Robot(backend), walk, LENGTH_MS)
     found = _stored(backend, walk, out, report)
     named = answer(*together({ROBOT: found}))
     named["notes"] = [note for note in named["notes"] if not note.startswith(DROPPED)]
-    if worse > WORSE:
-        named["notes"].append(f"Readings count as {worse:.1f} times as noisy as they are, for starts of segments cannot be told better.")
     text = json.dumps(named, indent=1) + "\n"
     (out / NAMED).write_text(text)
     (out / HASH).write_text(f"{hashlib.sha256(text.encode()).hexdigest()}  {NAMED}\n")
     effects_file.write(found_effects(found), out / EFFECTS)
     report("show")
-    shown = show(found, replace(holdout(), known=walk.noise) if holdout else walk, fresh=holdout is not None)
+    shown = show(found, holdout() if holdout else walk, fresh=holdout is not None)
     whole = named | {"shown": shown, "effects_file": str(out / EFFECTS), "report": str(out / REPORT), "overlay": "", "command": command}
     write_report(whole, {}, out / REPORT)
     (out / VERDICT).write_text(json.dumps(whole, indent=1) + "\n")
@@ -84,7 +76,7 @@ def show(found: Found, walk: Walk, *, fresh: bool) -> dict:
     Args:
         fresh: whether nothing has seen the walk; if not, only the turns of the report role count.
     """
-    robot, whole = robot_of(found), segments(walk, length_ms=SHOWN_MS, every_ms=SHOWN_MS)
+    robot, whole = robot_of(found), segments(seen_of(found, walk), length_ms=SHOWN_MS, every_ms=SHOWN_MS)
     replay = Replay.of(robot, whole if fresh else _kept(whole, np.array(found.simulation["report"])))
     left, over = {}, {}
     for state in STATES:
