@@ -1,4 +1,4 @@
-"""Collect a bag of the suspended robot, driven open loop: by passive white noise on all eight actuators, or another signal.
+"""Collect a bag of the robot, driven open loop: hung up and by passive white noise on all eight actuators, unless told otherwise.
 
 Examples:
   hamr collect --backend full --out out/noise
@@ -7,6 +7,7 @@ Examples:
   hamr collect --backend simple --effects effects.yaml --out out/friction
   hamr collect --backend full --out out/trot --kind trot --frequency-hz 30 --amplitude-volt 50
   hamr collect --backend full --out out/again --play out/gap/experiment --as-measured
+  hamr collect --backend full --environment ground --kind trot --frequency-hz 16 --seconds 12 --out out/walk --as-measured
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Literal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,6 +25,8 @@ class Command:
     """Folder of the bag."""
     backend: str = "full"
     """full, residual, simple or simple_published."""
+    environment: Literal["suspended", "ground"] = "suspended"
+    """suspended: hung up, its feet in the air; ground: on its feet."""
     residual: str = ""
     """Residual model file, for the residual backend; the shipped one if not given."""
     effects: str = ""
@@ -74,7 +78,7 @@ class Command:
             bag = Path(stack.enter_context(TemporaryDirectory()), "exact") if self.as_measured else self.out
             run = Run(
                 backend=self.backend,
-                environment="suspended",
+                environment=self.environment,
                 residual=self.residual or (str(RESIDUAL) if self.backend == "residual" else ""),
                 effects=self.effects,
                 excitation=signal.parameters,
