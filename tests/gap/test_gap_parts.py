@@ -75,7 +75,7 @@ def test_clocks_that_disagree_are_said(tmp_path, shift, says):
     ("joints", "word"),
     [
         (JOINTS[::2], "swing"), (JOINTS, "all"), (JOINTS[:2], "fl"), (JOINTS[3:4], "rl_lift"), (("arm",), "arm"),
-        ((JOINTS[0], JOINTS[3]), "fl_swing, rl_lift"),
+        ((JOINTS[0], JOINTS[3]), "fl_swing, rl_lift"), ((), "chassis"),
     ],
 )  # fmt: skip
 def test_places_have_the_shortest_name(joints, word):

@@ -53,8 +53,8 @@ def answer(founds: Mapping[str, Found], combinations: Sequence[Combination], ref
 
 
 def place_of(joints: Sequence[str]) -> str:
-    """What joints have in common: "fl_swing", "fl", "swing" (all four), "all"; else their names."""
-    words = {frozenset(found): word for word, found in reversed(WORDS.items())}
+    """What joints have in common: "fl_swing", "fl", "swing" (all four), "all"; else their names; of none, "chassis"."""
+    words = {frozenset(found): word for word, found in reversed(WORDS.items())} | {frozenset(): "chassis"}
     return words.get(frozenset(joints), ", ".join(joints))
 
 
