@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -50,15 +51,16 @@ def test_any_program_of_whole_numbers_is_traced_exactly(program, inputs, constan
         stage.write("y", str(i), value if isinstance(value, Var) else float(value))
     x = np.array(inputs, float)
     assert evaluate(stage, {"x": x[:, None]})["y"][:, 0].tolist() == expected
-    assert run_source(loop_source(stage, 1), "program", x, np.zeros(len(expected))).tolist() == expected
+    exec(loop_source(stage, 1), scope := {"over_lanes": as_python})
+    scope["program"](x, y := np.zeros(len(expected)))
+    assert y.tolist() == expected
 
 
-def run_source(source: str, name: str, *arrays: np.ndarray) -> np.ndarray:
-    """Runs emitted source as plain Python; the last array."""
+def as_python(arrays: str, text: str) -> Callable[..., None]:
+    """What `over_lanes` makes of a text, in plain Python."""
     choices = {"larger": lambda a, b: a if a > b else b, "smaller": lambda a, b: a if a < b else b, "gate": lambda a: float(a > 0.0)}
-    exec(source, scope := {"U": int, "sqrt": math.sqrt, "floor": math.floor, "real": float} | choices)
-    scope[name](*arrays)
-    return arrays[-1]
+    scope = {"U": int, "sqrt": math.sqrt, "floor": math.floor, "real": float} | choices
+    return lambda *given: exec(text, scope | dict(zip(arrays.split(", "), given, strict=True)))
 
 
 def test_a_row_that_stays_is_not_written():
@@ -69,7 +71,7 @@ def test_a_row_that_stays_is_not_written():
     stage.write("new_x", "1", second + first)
     body = loop_body(stage, 1, work={"x": 0, "new_x": 0})
     work = np.array([2.0, 3.0])
-    run_source(f"def rows(work):\n{body}", "rows", work)
+    as_python("work", body)(work)
     assert work.tolist() == [2.0, 5.0]
     assert body.count("] = ") == 1
 
@@ -169,7 +171,7 @@ def test_emitted_source_is_the_trace(environment):
         for name, x in arrays.items():
             work[places[name] : places[name] + x.size] = x.ravel()
         with np.errstate(all="ignore"):
-            run_source(f"def stage(work):\n{loop_body(stage, lanes, work=places)}", "stage", work)
+            as_python("work", loop_body(stage, lanes, work=places))(work)
             for name, truth in evaluate(stage, arrays).items():
                 assert np.array_equal(work[places[name] : places[name] + truth.size], truth.ravel(), equal_nan=True), (stage.name, name)
 

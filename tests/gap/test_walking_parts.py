@@ -17,7 +17,7 @@ from hamr_description.errors import BagError
 from hamr_gap.fitting import threads
 from hamr_gap.walking import fit as fits
 from hamr_gap.walking import robot
-from hamr_gap.walking.fit import SETTLING, fit
+from hamr_gap.walking.fit import SETTLING, Fit, fit, kept
 from hamr_gap.walking.left import trimmed
 from hamr_gap.walking.prepare import settled
 from hamr_gap.walking.replay import Replay
@@ -187,6 +187,19 @@ def test_a_fit_from_far_off_ends_where_one_from_the_truth_does():
     replay, free, far = far_off()
     from_truth, from_far = (settled(replay, fit(replay, free, x, (), start(replay, setting(free, x)).change)) for x in (0.0 * far, far))
     assert from_far.cost < 1.1 * from_truth.cost
+
+
+def test_of_fits_that_cost_the_same_the_distance_is_known():
+    """Two standard deviations along one of two numbers are the root of two over both; a fit that costs more says nothing."""
+    first, same, worse = (
+        Fit((), np.array([x, 0.0]), (), np.zeros(0), np.zeros(0), cost, np.diag([4.0, 1.0]), away)
+        for x, cost, away in ((0.5, 100.0, 0.1), (-0.5, 101.0, 0.2), (9.0, 103.0, 8.0))
+    )
+    best = kept(worse, same, first)
+    assert (best.x[0], best.cost) == (0.5, 100.0)
+    assert best.away == pytest.approx(np.sqrt(2.0))
+    assert kept(first).away == 0.1
+    assert kept(first, replace(same, x=first.x)).away == 0.2  # what was known of either still holds
 
 
 def test_starts_settle_before_a_step_is_judged(monkeypatch):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from .trace import Graph, Var
 
-#: Operation -> its source text; choices are those of `branchless`.
+#: Operation -> its source text; all are those of `straight`.
 OPERATIONS = {
     "add": "{} + {}",
     "sub": "{} - {}",
@@ -89,27 +89,29 @@ class Part:
     own: str = ""
 
 
-def part_body(part: Part, lanes: int, *, work: Mapping[str, int], indent: int, flag: str) -> str:
-    """`loop_body` of a part, which a law runs only where its flag is set."""
-    if not part.sizes:
-        return loop_body(part.stage, lanes, work=work, indent=indent)
-    own = {**work, "memory": work["state"] + part.memory * lanes}
-    return f"{' ' * indent}if {flag}:\n" + loop_body(part.stage, lanes, work=own, indent=indent + 4)
+def part_source(part: Part, lanes: int, *, work: Mapping[str, int], flag: str) -> tuple[str, str]:
+    """Source of a part as a function of `work`, and of its call, which a law gets only where its flag is set."""
+    name, own = part.stage.name, {**work, "memory": work["state"] + part.memory * lanes} if part.sizes else work
+    call = f"if {flag}:\n    {name}(work)\n" if part.sizes else f"{name}(work)\n"
+    return _function(name, "work", loop_body(part.stage, lanes, work=own)), call
 
 
 def loop_source(stage: Stage, lanes: int) -> str:
-    """Python source of `def NAME(inputs..., outputs...)`: the stage over all lanes, each array an argument."""
-    return f"def {stage.name}({', '.join([*stage.inputs, *stage.outputs])}):\n" + loop_body(stage, lanes)
+    """Source of NAME(inputs..., outputs...), for compiled code: the stage over all lanes, each array an argument."""
+    return _function(stage.name, ", ".join([*stage.inputs, *stage.outputs]), loop_body(stage, lanes))
 
 
-def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None, indent: int = 4) -> str:
-    """Python source of the stage over all lanes. Needs U, real, sqrt, floor, larger, smaller and gate in scope.
+def _function(name: str, arrays: str, body: str) -> str:
+    return f'\n{name} = over_lanes("{arrays}", """\n{body}""")\n'
+
+
+def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None) -> str:
+    """Python source of the stage over all lanes, as `straight.over_lanes` takes it.
 
     Args:
         work: array -> where its first row begins in one flat array `work` that holds them all; without it, arrays go by their own
             names. In one array the compiler knows what overlaps; with several it tests at run time every pair of rows, which can
             cost more than the stage. In `work`, outputs may lie on inputs.
-        indent: spaces before each line.
     """
     graph, constants = stage.graph, {}
 
@@ -119,7 +121,7 @@ def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None
         return f"{array}[U({place}){lane}]" if work is None else f"work[U({work[array] + place}){lane}]"
 
     def name(a) -> str:
-        return f"{stage.name}_{a}" if isinstance(a, int) else constants.setdefault(repr(float(a)), f"{stage.name}_c{len(constants)}")
+        return f"x{a}" if isinstance(a, int) else constants.setdefault(repr(float(a)), f"c{len(constants)}")
 
     sources = {f"{array}.{row}": at(array, i) for array, names in stage.inputs.items() for i, row in enumerate(names)}
     read = set(sources.values())
@@ -144,4 +146,4 @@ def loop_body(stage: Stage, lanes: int, *, work: Mapping[str, int] | None = None
             (last if place in read else body).append(f"{place} = {name(i)}")
     before += [f"{name} = real({text})" for text, name in constants.items()]
     lines = [*before, f"for i in range({lanes}):", "    e = U(i)", *(f"    {line}" for line in body + last)]
-    return "".join(f"{' ' * indent}{line}\n" for line in lines)
+    return "".join(f"{line}\n" for line in lines)

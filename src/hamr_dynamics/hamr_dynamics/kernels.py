@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
-import re
 import sys
 import tempfile
 from functools import cache
@@ -15,7 +14,7 @@ from types import ModuleType
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
 
-from . import driver
+from . import alignment, driver, straight
 from .plant import Plant
 
 
@@ -49,9 +48,8 @@ def load(plant: Plant, environment: str, robots: int, dtype: str = "float64", h:
 
 
 def load_source(label: str, text: str) -> ModuleType:
-    """The module of a source text, compiled at most once per machine: the text alone decides, so no stale code can be found."""
-    text = _named(text)
-    name = f"{label}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    """The module of a source text, compiled at most once per machine: text and compiler decide, so no stale code can be found."""
+    name = f"{label}_{hashlib.sha256(text.encode() + _compiler()).hexdigest()[:16]}"
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
@@ -67,8 +65,7 @@ def load_source(label: str, text: str) -> ModuleType:
     return module
 
 
-def _named(text: str) -> str:
-    """A source text whose literal places in arrays are constants of the module: each call of `U` would be typed and lowered by itself."""
-    places = sorted(set(re.findall(r"\bU\((\d+)\)", text)), key=int)
-    constants = "".join(f"U_{place} = U({place})\n" for place in places)
-    return re.sub(r"\bU\((\d+)\)", r"U_\1", text).replace("U = np.uint64\n", f"U = np.uint64\n{constants}", 1)
+@cache
+def _compiler() -> bytes:
+    """What turns a text into machine code besides numba, which knows its own version."""
+    return b"".join(Path(module.__file__).read_bytes() for module in (alignment, straight))

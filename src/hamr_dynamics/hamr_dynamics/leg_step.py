@@ -68,7 +68,7 @@ def leg_source(plant: Plant, h: float) -> str:
     stage = leg_stages.suspended_leg(plant, h)
     parts = [stage, pullback(leg_stages.suspended_leg(plant, h), ("state", "drive", "param"))]
     head = driver.HEADER.format(plant=plant.name, environment="leg", dtype="float64")
-    return "".join([head, *(f"\n@part\n{loop_source(s, LANES)}" for s in parts), LOOPS])
+    return "".join([head, *(loop_source(s, LANES) for s in parts), LOOPS])
 
 
 def to_blocks(x) -> np.ndarray:

@@ -7,12 +7,13 @@ long as the machine alone, and a lane seldom uses more than three.
 from __future__ import annotations
 
 from functools import lru_cache
+from textwrap import indent
 from types import ModuleType
 
 import numpy as np
 
 from .driver import HEADER
-from .emit import part_body
+from .emit import part_source
 from .kernels import load_source
 from .machine import Machine
 from .machine_stages import arrays, parts
@@ -53,20 +54,21 @@ def source(machine: Machine) -> str:
     for array, rows in arrays(machine).items():
         places[array] = places[f"new_{array}"] = end
         end += len(rows) * LANES
-    step = parts_body(machine, places, indent=12)
+    functions, step = parts_source(machine, places, depth=12)
     head = HEADER.format(plant=f"{len(machine.joints)} joints", environment="machine", dtype="float64")
-    return head + RUN.format(
+    return head + functions + RUN.format(
         size=end, lanes=LANES, joints=len(machine.joints), channels=len(machine.channels), step=step,
         **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
 
 
-def parts_body(machine: Machine, places: dict[str, int], indent: int) -> str:
-    """Source of the parts of a step, in order, the k-th law behind `used[b, k]`."""
+def parts_source(machine: Machine, places: dict[str, int], depth: int) -> tuple[str, str]:
+    """Source of the parts of a step, and of their calls in order, the k-th law behind `used[b, k]`."""
     found = parts(machine)
     laws = [part for part in found if part.sizes]
-    flags = (f"used[b, {laws.index(part)}]" if part.sizes else "" for part in found)
-    return "".join(part_body(part, LANES, work=places, indent=indent, flag=flag) for part, flag in zip(found, flags, strict=True)).rstrip()
+    flags = [f"used[b, {laws.index(part)}]" if part.sizes else "" for part in found]
+    functions, calls = zip(*(part_source(p, LANES, work=places, flag=flag) for p, flag in zip(found, flags, strict=True)), strict=True)
+    return "".join(functions), indent("".join(calls), " " * depth).rstrip()
 
 
 @lru_cache(maxsize=16)

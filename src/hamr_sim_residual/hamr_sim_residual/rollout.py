@@ -126,5 +126,5 @@ class Rollout:
 def _module(law: Series):
     loop = LOOP.format(lanes=LANES, weights=len(law.rows), free=FREE, step=SERVO_MS)
     stages = law.stage(), pullback(law.stage(), ("state", "weights"))
-    traced = [f"\n@jit\n{loop_source(stage, LANES)}" for stage in stages]
+    traced = [loop_source(stage, LANES) for stage in stages]
     return kernels.load_source(f"rollout_{law.kind}", "".join([leg_source(torque_driven(), SERVO_MS), *traced, loop]))

@@ -96,7 +96,7 @@ class Series:
 
     def source(self, robots: int) -> str:
         """Compiled form for blocks of `robots` robots (hamr_dynamics.driver)."""
-        return "\n@part\n" + loop_source(self.stage(), 4 * robots)
+        return loop_source(self.stage(), 4 * robots)
 
     def scratch(self, robots: int) -> int:
         """Scratch numbers per block: none."""

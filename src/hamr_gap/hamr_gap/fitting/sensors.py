@@ -34,6 +34,7 @@ class Sensors:
         return (1.0 + self.gain) * late(y, self.shift, step, starts) + self.bias
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a trial run that diverges has an infinite cost, which is all that is asked of it
 def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -> np.ndarray:
     """(..., n, channels) of a run, `shift` later: by polynomials of degree six through its readings, in short pieces to first order."""
     if starts or abs(shift) < LITTLE * step:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ BAD = 3.0  # times the usual cost of a segment, above which it counts less: cont
 SETTLING = 2  # rounds in which starts settle before a step is judged: contacts bend what they follow, and good steps look wrong before
 TOLERANCE = 0.01  # relative decrease of cost at which a fit ends
 ROUNDS = 10
+SETTLED = 0.98  # share of another fit's cost, above which that costs hardly more
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Fit:
         free, x: what is shared, in scales. effects. change: (s, 28) starts. residual: (s, readings + 28).
         cost: half squares, limited where a segment is far worse than most.
         hessian: (P, P) of the shared numbers with priors, the starts eliminated; what is left counts as noise.
-        moved: by how much another fit from starts of its own moved x, (P,) or 0 where there was none.
+        away: how far off other fits end that cost hardly more (`kept`); 0 where there was none.
     """
 
     free: tuple[Free, ...]
@@ -39,12 +40,27 @@ class Fit:
     residual: np.ndarray
     cost: float
     hessian: np.ndarray
-    moved: np.ndarray | float = 0.0
+    away: float = 0.0
 
     @property
     def model(self) -> Setting:
         """As a model."""
         return setting(self.free, self.x, self.effects)
+
+    def apart(self, other: Fit) -> float:
+        """How far off another fit ends: rms in standard deviations, over what is shared."""
+        off = other.x - self.x
+        return float(np.sqrt(off @ self.hessian @ off / len(off)))
+
+
+def kept(*fits: Fit) -> Fit:
+    """Of fits of the same numbers the one that costs least, with how far off those end that cost hardly more.
+
+    Contact has many minima: where a fit ends depends on where it begins, and nothing says which of two that cost the same is right.
+    """
+    best = min(fits, key=lambda found: found.cost)
+    near = [best, *(found for found in fits if SETTLED * found.cost < best.cost)]
+    return replace(best, away=max(max(found.away, best.apart(found)) for found in near))
 
 
 def weights(residual: np.ndarray) -> np.ndarray:

@@ -101,14 +101,13 @@ def _simulation(state: Search, best: Hypothesis) -> dict:
 
 
 def _intervals(state: Search, found: Fit) -> np.ndarray:
-    """(P, 2) 95 % in scales: what the model leaves counts as noise, with its colour."""
+    """(P, 2) 95 % in scales: what the model leaves counts as noise, with its colour, and so does where a fit happens to end."""
     left = found.residual[:, :-CHANGES]
     angles = left[:, : state.prepared.parts["fit"].observed.angle_readings].reshape(-1, len(JOINTS))
-    inflation = correlation_time(angles)
+    inflation = correlation_time(angles) * (1.0 + found.away**2)
     scale = 1.0 / np.sqrt(np.diag(found.hessian))
     inverse = np.linalg.pinv(found.hessian * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse) * inflation, np.square([f.sd for f in found.free])))
-    half = np.hypot(half, NORMAL_95 * found.moved)
     return np.stack([found.x - half, found.x + half], 1)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..fitting.parameters import Free
 from ..judging.analyse import SMALLEST
 from ..naming.hypothesis import Hypothesis
-from .fit import Fit, fit
+from .fit import SETTLED, Fit, fit, kept
 from .followed import followable
 from .left import left_of, trimmed
 from .replay import Replay
@@ -23,7 +23,7 @@ from .walk import Walk
 
 LENGTH_MS = 20.0  # of a segment: what acts on the body shows as the square of time, but contact stays predictable for so long only
 GROWING_MS = (8.0, LENGTH_MS)
-SETTLING, SETTLED = 5, 0.98  # times that a fit is taken up again, while it leaves less than this share of what it left before
+SETTLING = 5  # times that a fit is taken up again, while it leaves clearly less than before
 BRIEFLY = 1  # times on short segments, which only lead to the long ones
 SLIPS = (1.0, 0.1)  # slip speeds below which friction is viscous, as shares of the model's: the data choose
 FINE, HALVED = 0.2, 0.5  # rms in noise by which halving the step may move readings; how much less the next halving does
@@ -108,9 +108,7 @@ def settled(replay: Replay, found: Fit, times: int = SETTLING) -> Fit:
     """A fit taken up again from better starts until that helps no more: feet may have started where only a wrong model puts them."""
     for _ in range(times):
         again = fit(replay, found.free, found.x, found.effects, best_start(replay, found.model, found.change).change)
-        again, before = replace(again, moved=np.abs(again.x - found.x)), found
-        if again.cost < found.cost:
-            found = again
+        before, found = found, kept(found, again)
         if again.cost > SETTLED * before.cost:
             break
     return found

@@ -13,7 +13,7 @@ from hamr_dynamics.effects.effects_file import OF_THE_CHASSIS
 from ..fitting.parameters import Free
 from ..naming.hypothesis import Hypothesis
 from .candidates import PLACES, forms, kind
-from .fit import ROUNDS, Fit, fit, limited
+from .fit import ROUNDS, Fit, fit, kept, limited
 from .left import left_of
 from .prepare import Prepared, prepare, settled
 from .screen import Screen, Solution
@@ -198,7 +198,7 @@ def _settle(state: Search) -> None:
 def _settled(state: Search, *begun: Fit) -> Hypothesis:
     """The best of fits, each taken up again from better starts."""
     parts = state.prepared.parts
-    found = min((settled(parts["fit"], each, TIMES) for each in begun), key=lambda each: each.cost)
+    found = kept(*(settled(parts["fit"], each, TIMES) for each in begun))
     left = left_of(parts["select"], best_start(parts["select"], found.model, state.prepared.starts["select"].change))
     return Hypothesis(found.effects, found, *left)
 

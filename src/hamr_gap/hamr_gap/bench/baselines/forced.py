@@ -13,7 +13,7 @@ import numpy as np
 from hamr_dynamics.driver import HEADER
 from hamr_dynamics.kernels import load_source
 from hamr_dynamics.machine import Machine
-from hamr_dynamics.machine_kernel import LANES, parts_body, used_laws
+from hamr_dynamics.machine_kernel import LANES, parts_source, used_laws
 from hamr_dynamics.machine_stages import arrays
 
 RUN = """
@@ -83,8 +83,9 @@ def _module(machine: Machine) -> ModuleType:
         places[array] = places[f"new_{array}"] = end
         end += len(names) * LANES
     joints = len(machine.joints)
-    text = RUN.format(
-        size=end, lanes=LANES, joints=joints, channels=len(machine.channels), step=parts_body(machine, places, indent=16),
+    functions, step = parts_source(machine, places, depth=16)
+    text = functions + RUN.format(
+        size=end, lanes=LANES, joints=joints, channels=len(machine.channels), step=step,
         **{f"{array}_at": places[array] for array in ("state", "param", "drive", "seen")},
     )  # fmt: skip
     return load_source(f"forced_{joints}", HEADER.format(plant=f"{joints} joints", environment="forced", dtype="float64") + text)
