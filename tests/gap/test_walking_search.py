@@ -29,13 +29,14 @@ class Segments(list):
 
 
 def left(share: float, *effects: Candidate) -> Hypothesis:
-    return Hypothesis(effects, SimpleNamespace(model=None, free=()), share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))))
+    fitted = SimpleNamespace(model=None, free=(), x=None, change=None)
+    return Hypothesis(effects, fitted, share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))))
 
 
 def searched(base: float, *tried: Hypothesis) -> search.Search:
     judged = SimpleNamespace(observed=SimpleNamespace(readings=100))
     parts = {"fit": None, "select": type("Judged", (SimpleNamespace,), {"__len__": lambda _: 64})(**vars(judged))}
-    prepared = SimpleNamespace(base=left(base), floor=FLOOR, least=LEAST, numerical=0.1, parts=parts, raw=left(2.0 * base))
+    prepared = SimpleNamespace(base=left(base), floor=FLOOR, least=LEAST, numerical=0.1, coarse=False, parts=parts, raw=left(2.0 * base))
     return search.Search(prepared, list(tried))
 
 
@@ -76,6 +77,19 @@ def test_the_best_is_taken_up_again_though_it_gains_little_at_first(monkeypatch,
     state.prepared.from_ = lambda _: state.prepared
     search.search("simple", None)
     assert done == {"polished": taken_up, "paired": paired}
+
+
+@pytest.mark.parametrize(("fine", "adopted"), [(1.0, True), (2.5, False)])
+@pytest.mark.parametrize("tried", [(left(2.0, SLOPE), left(2.9, LAG), left(3.5, TETHER)), ()])
+def test_finer_steps_are_kept_where_they_leave_less(monkeypatch, fine, adopted, tried):
+    """What a simulation recorded may have steps as coarse as the search's; what is no rival of the best is not fitted again."""
+    coarse, finer, fitted = searched(9.0 if tried else 2.0), searched(8.9).prepared, searched(8.8 if tried else fine).prepared
+    state, finer.from_ = search.Search(coarse.prepared, list(tried)), lambda _: fitted
+    state.prepared.finer = lambda: finer
+    monkeypatch.setattr(search, "_anew", lambda _, h: left(h.left + fine - 2.0, *h.effects))
+    search._refine(state)
+    assert state.prepared is (fitted if adopted else coarse.prepared)
+    assert [h.left for h in state.tried] == pytest.approx([1.0, 1.9, 3.5][: len(tried)] if adopted else [h.left for h in tried])
 
 
 def test_pairs_that_look_best_are_fitted_for_good(monkeypatch):

@@ -10,7 +10,7 @@ import numpy as np
 from ..fitting.parameters import Free
 from ..judging.analyse import SMALLEST
 from ..naming.hypothesis import Hypothesis
-from .fit import SETTLED, Fit, fit, kept
+from .fit import SETTLED, Fit, fit, kept, limited
 from .followed import followable
 from .left import left_of, trimmed
 from .replay import Replay
@@ -26,7 +26,7 @@ GROWING_MS = (8.0, LENGTH_MS)
 SETTLING = 5  # times that a fit is taken up again, while it leaves clearly less than before
 BRIEFLY = 1  # times on short segments, which only lead to the long ones
 SLIPS = (1.0, 0.1)  # slip speeds below which friction is viscous, as shares of the model's: the data choose
-FINE, HALVED = 0.2, 0.5  # rms in noise by which halving the step may move readings; how much less the next halving does
+FINE, HALVED = 0.2, 0.5  # rms in noise by which halving the step may move readings, and how much less the next halving does
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,22 @@ class Prepared:
         starts = {role: best_start(self.parts[role], tuned.model, begun.change) for role, begun in self.starts.items()}
         return replace(self, base=Hypothesis((), tuned, *left_of(self.parts["select"], starts["select"])), starts=starts)
 
+    @property
+    def coarse(self) -> bool:
+        """Whether half the step would move readings by more than noise hides."""
+        return self.numerical > FINE
+
+    def finer(self) -> Prepared:
+        """The same in half the steps, the re-tune as it is but for the starts; `from_` its own fit, it is fitted anew."""
+        own, tuned = self.parts["fit"].robot, self.base.fit
+        robot = Robot(own.backend, replace(own.numerics, fine=2 * own.numerics.fine))
+        parts = {role: Replay.of(robot, part.segments) for role, part in self.parts.items()}
+        begun = start(parts["fit"], tuned.model, tuned.change)
+        tuned = replace(tuned, change=begun.change, residual=begun.residual, cost=limited(begun.residual))
+        starts = {role: start(parts[role], tuned.model, begun.change) for role, begun in self.starts.items()}
+        raw = start(parts["select"], Setting(), self.raw.fit.change)
+        return _prepared(parts, tuned, starts, raw, HALVED * self.numerical, self.worse)
+
     def judge(self, role: str, model: Setting) -> tuple[float, np.ndarray]:
         """What a model leaves of a role's readings (`left_of`), its starts fitted on from those of the re-tuned one."""
         return left_of(self.parts[role], start(self.parts[role], model, self.starts[role].change))
@@ -82,16 +98,18 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
     robot, found = min(brief, key=lambda tried: tried[1].cost)
     replay, tuned = _tuned(robot, some, free, GROWING_MS[1:], found)
     finer = Robot(backend, Numerics(2, replay.robot.numerics.slip))
-    numerical = _moved_by(finer, replay, tuned)
-    if numerical > FINE:
-        replay, numerical = Replay.of(finer, some), HALVED * numerical
-        tuned = fit(replay, free, tuned.x, (), tuned.change)
     parts = {"fit": replay} | {role: Replay.of(replay.robot, whole.some(part[role])) for role in ("select", "calibrate", "report")}
     starts = {role: start(parts[role], tuned.model) for role in ("select", "calibrate")}
     raw = start(parts["select"], Setting())
+    return _prepared(parts, tuned, starts, raw, _moved_by(finer, replay, tuned), worse)
+
+
+def _prepared(
+    parts: dict[str, Replay], tuned: Fit, starts: dict[str, Started], raw: Started, numerical: float, worse: float
+) -> Prepared:  # fmt: skip
     nothing = Fit((), np.zeros(0), (), raw.change, raw.residual, 0.0, np.zeros((0, 0)))
     plain, base = (Hypothesis((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
-    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / replay.observed.readings, worse)
+    return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / parts["fit"].observed.readings, worse)
 
 
 def _tuned(robot: Robot, some: Segments, free: Sequence[Free], lengths_ms: Sequence[float], found: Fit | None = None) -> tuple[Replay, Fit]:

@@ -89,6 +89,10 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
         report("sets of 2")
         state.tried += _pairs(state, seen, singles)
         _settle(state)
+    if state.prepared.coarse:
+        report("finer steps")
+        _refine(state)
+    if _gains(state):
         state.prepared = state.prepared.from_(state.best.fit)
     return state
 
@@ -193,6 +197,30 @@ def _settle(state: Search) -> None:
         state.tried[at] = _settled(state, state.best.fit)
         if state.tried[at] is state.best:
             break
+
+
+def _refine(state: Search) -> None:
+    """Half the steps, if the best leaves less so: what a simulation recorded may have steps like these."""
+    coarse, best = state.prepared, state.best
+    rivals = [h for h in sorted(state.tried, key=lambda h: h.left)[:POLISHED] if h is not best and h.left < RIVAL * best.left]
+    state.prepared = coarse.finer()
+    if best.effects:
+        again = _anew(state, best)
+        if again.left < best.left:
+            state.tried[state.tried.index(best)] = again
+            state.prepared = state.prepared.from_(state.base.fit)
+            for h in rivals:
+                state.tried[state.tried.index(h)] = _anew(state, h)
+            return
+    elif (anew := state.prepared.from_(state.base.fit)).base.left < best.left:
+        state.prepared = anew
+        return
+    state.prepared = coarse
+
+
+def _anew(state: Search, h: Hypothesis) -> Hypothesis:
+    """Fitted again with the steps of now."""
+    return _settled(state, fit(state.prepared.parts["fit"], h.fit.free, h.fit.x, h.effects, h.fit.change))
 
 
 def _settled(state: Search, *begun: Fit) -> Hypothesis:
