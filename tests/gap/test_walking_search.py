@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from hamr_gap.fitting.parameters import Free
 from hamr_gap.naming.hypothesis import Hypothesis
 from hamr_gap.walking import analyse, candidates, screen, search
+from hamr_gap.walking.fit import Fit
 from hamr_gap.walking.setting import Candidate, Setting
 
 FLOOR, LEAST = 0.86, 0.25
@@ -63,6 +66,7 @@ def test_the_best_is_taken_up_again_though_it_gains_little_at_first(monkeypatch,
     monkeypatch.setattr(search, "_judged", lambda _, found: found)
     monkeypatch.setattr(search, "_from_given", lambda _, found: found)
     monkeypatch.setattr(search, "_settle", lambda _: None)
+    monkeypatch.setattr(search, "_shaken", lambda _, h: h)
 
     def settled(_, found, anew):
         done["polished"] += 1
@@ -90,6 +94,22 @@ def test_finer_steps_are_kept_where_they_leave_less(monkeypatch, fine, adopted, 
     search._refine(state)
     assert state.prepared is (fitted if adopted else coarse.prepared)
     assert [h.left for h in state.tried] == pytest.approx([1.0, 1.9, 3.5][: len(tried)] if adopted else [h.left for h in tried])
+
+
+@pytest.mark.parametrize(("again", "kept"), [(1.9, 1.9), (2.1, 2.0)])
+def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, again, kept):
+    """Five standard deviations each way, inside the bounds; how far apart such fits end is known, whichever is kept."""
+    free = [Free(name, 1.0, low, np.inf, 0.0, 1.0) for name, low in (("a", -np.inf), ("b", 0.0))]
+    found = Fit(tuple(free), np.array([1.0, 0.5]), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.diag([100.0, 4.0]))
+    state, begun = searched(9.0), []
+    monkeypatch.setattr(search, "start", lambda *_: SimpleNamespace(change=None))
+    monkeypatch.setattr(search, "fit", lambda replay, free, x, effects, change: begun.append(x) or replace(found, x=x))
+    monkeypatch.setattr(search, "_settled", lambda _, *fits: Hypothesis((SLOPE,), replace(found, away=3.0), again, np.ones(24)))
+    h = search._shaken(state, Hypothesis((SLOPE,), found, 2.0, np.ones(24)))
+    off = (np.array(begun) - found.x) * [10.0, 2.0]
+    assert np.allclose(off[:, 0], 5.0 * np.random.default_rng(0).standard_normal(2)[0] * np.array([-1.0, 1.0]))
+    assert min(x[1] for x in begun) > 0.0
+    assert (h.left, h.fit.away) == (kept, 3.0)
 
 
 def test_pairs_that_look_best_are_fitted_for_good(monkeypatch):

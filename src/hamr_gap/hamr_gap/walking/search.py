@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -30,6 +30,7 @@ SETTLING = 3  # times that the best may change hands by that
 ENOUGH = 0.03  # of the gap, that another effect must promise
 OUTSIDE = (*OF_THE_CHASSIS, "foot")  # what forms act on that are no part of a leg
 AFAR, NEAR = 6, 2  # rounds of a look from the model as given, and how many are fitted for good that leave less than RIVAL times the re-tune
+SHAKEN = 5.0  # standard deviations to either side, from which the best is fitted again
 EDGE = 1e-3  # of a prior's width: a fit starts inside its bounds
 
 
@@ -93,6 +94,7 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
         report("finer steps")
         _refine(state)
     if _gains(state):
+        state.tried[state.tried.index(state.best)] = _shaken(state, state.best)
         state.prepared = state.prepared.from_(state.best.fit)
     return state
 
@@ -219,8 +221,20 @@ def _refine(state: Search) -> None:
 
 
 def _anew(state: Search, h: Hypothesis) -> Hypothesis:
-    """Fitted again with the steps of now."""
-    return _settled(state, fit(state.prepared.parts["fit"], h.fit.free, h.fit.x, h.effects, h.fit.change))
+    """Fitted again with the steps of now; what was seen of its other minima still holds."""
+    again = fit(state.prepared.parts["fit"], h.fit.free, h.fit.x, h.effects, h.fit.change)
+    return _settled(state, replace(again, away=h.fit.away))
+
+
+def _shaken(state: Search, h: Hypothesis) -> Hypothesis:
+    """The same, fitted from far to either side too: where fits do not come back from there and cost no more, no interval is narrower."""
+    replay, found, begun = state.prepared.parts["fit"], h.fit, []
+    off = np.linalg.solve(np.linalg.cholesky(found.hessian).T, np.random.default_rng(0).standard_normal(len(found.x)))
+    for far in (-SHAKEN, SHAKEN):
+        x = _inside(found.free, found.x + far * off)
+        begun.append(fit(replay, found.free, x, found.effects, start(replay, setting(found.free, x, found.effects)).change))
+    again = _settled(state, found, *begun)
+    return again if again.left < h.left else replace(h, fit=replace(found, away=again.fit.away))
 
 
 def _settled(state: Search, *begun: Fit) -> Hypothesis:
