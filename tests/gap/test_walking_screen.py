@@ -28,7 +28,7 @@ def test_a_payload_at_an_end_is_seen_there(tmp_path, end):
     payload = Effect("added_mass", (), "payload", {"mass": 0.2, "forward": 9.0 * end, "left": 0.0, "up": 8.0})
     write(GroundCase("a", "ground", 1, (payload,), {}, 1.2, TROT, 3e-3), tmp_path / "walk")
     robot = Robot("simple", Numerics(1, 0.1))
-    replay = Replay.of(robot, segments(read([tmp_path / "walk"]), length_ms=20.0, every_ms=20.0))  # half as many depend on last digits
+    replay = Replay.of(robot, segments(read([tmp_path / "walk"]), length_ms=20.0, every_ms=20.0))  # with half of them last digits decide
     begun, free = start(replay, Setting()), tuple(retune(robot.rest()))
     about = Fit(free, np.zeros(len(free)), (), begun.change, begun.residual, float(begun.cost.sum()), np.eye(len(free)))
     seen = Screen(replay, about, [(e, form) for e, form in forms() if form.acts in OUTSIDE])

@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from hamr_gap.fitting.parameters import Free
+from hamr_gap.judging.interval import NORMAL_95
 from hamr_gap.naming.hypothesis import Hypothesis
 from hamr_gap.walking import analyse, candidates, screen, search
 from hamr_gap.walking.fit import Fit
+from hamr_gap.walking.found import _intervals
+from hamr_gap.walking.segments import CHANGES
 from hamr_gap.walking.setting import Candidate, Setting
 
 FLOOR, LEAST = 0.86, 0.25
@@ -96,20 +99,43 @@ def test_finer_steps_are_kept_where_they_leave_less(monkeypatch, fine, adopted, 
     assert [h.left for h in state.tried] == pytest.approx([1.0, 1.9, 3.5][: len(tried)] if adopted else [h.left for h in tried])
 
 
-@pytest.mark.parametrize(("again", "kept"), [(1.9, 1.9), (2.1, 2.0)])
-def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, again, kept):
-    """Five standard deviations each way, inside the bounds; how far apart such fits end is known, whichever is kept."""
+@pytest.mark.parametrize(("cost", "left_", "adopted", "away"), [
+    (8.9, 1.9, True, 7.07), (8.9, 2.1, False, 7.07), (9.1, 1.9, False, 7.07), (9.5, 1.9, False, 0.5),
+])  # fmt: skip
+def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, cost, left_, adopted, away):
+    """Five standard deviations each way, inside the bounds; how far off such fits end counts unless they cost more, whichever is kept."""
     free = [Free(name, 1.0, low, np.inf, 0.0, 1.0) for name, low in (("a", -np.inf), ("b", 0.0))]
-    found = Fit(tuple(free), np.array([1.0, 0.5]), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.diag([100.0, 4.0]))
+    found = Fit(tuple(free), np.array([1.0, 0.5]), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.diag([100.0, 4.0]), 0.5)
+    there = replace(found, x=found.x + [1.0, 0.0], cost=cost, away=0.0)
     state, begun = searched(9.0), []
-    monkeypatch.setattr(search, "start", lambda *_: SimpleNamespace(change=None))
-    monkeypatch.setattr(search, "fit", lambda replay, free, x, effects, change: begun.append(x) or replace(found, x=x))
-    monkeypatch.setattr(search, "_settled", lambda _, *fits: Hypothesis((SLOPE,), replace(found, away=3.0), again, np.ones(24)))
+    monkeypatch.setattr(search, "_from", lambda state, found, x: begun.append(x) or there)
+    monkeypatch.setattr(search, "_settled", lambda _, *fits: len(fits) == 2 and Hypothesis((SLOPE,), fits[0], left_, np.ones(24)))
     h = search._shaken(state, Hypothesis((SLOPE,), found, 2.0, np.ones(24)))
     off = (np.array(begun) - found.x) * [10.0, 2.0]
     assert np.allclose(off[:, 0], 5.0 * np.random.default_rng(0).standard_normal(2)[0] * np.array([-1.0, 1.0]))
     assert min(x[1] for x in begun) > 0.0
-    assert (h.left, h.fit.away) == (kept, 3.0)
+    assert (h.left == left_, h.fit.x[0] == 2.0) == (adopted, adopted)
+    assert h.fit.away == pytest.approx(away, abs=0.01)
+
+
+def test_what_was_seen_of_other_minima_holds_in_finer_steps(monkeypatch):
+    found = Fit((), np.zeros(2), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.eye(2), 3.0)
+    monkeypatch.setattr(search, "fit", lambda *_: replace(found, away=0.0))
+    monkeypatch.setattr(search, "_settled", lambda _, again: Hypothesis((SLOPE,), again, 1.0, np.ones(24)))
+    assert search._anew(searched(9.0), Hypothesis((SLOPE,), found, 2.0, np.ones(24))).fit.away == 3.0
+
+
+def test_intervals_are_as_wide_as_fits_end_apart():
+    """Of white residuals: the root of one and the square of how far off; never wider than what was believed beforehand."""
+    readings = np.random.default_rng(0).standard_normal((16, 160))
+    left_ = np.concatenate([readings, np.zeros((16, CHANGES))], 1)
+    free = tuple(Free(name, 1.0, -np.inf, np.inf, 0.0, sd) for name, sd in (("a", 1.0), ("b", 0.11)))
+    one = Fit(free, np.zeros(2), (), np.zeros(0), left_, 9.0, np.diag([100.0, 100.0]))
+    state = searched(9.0)
+    state.prepared.parts["fit"] = SimpleNamespace(observed=SimpleNamespace(angle_readings=160))
+    width = [np.ptp(_intervals(state, replace(one, away=away)), axis=1) for away in (0.0, 3.0)]
+    assert width[1][0] / width[0][0] == pytest.approx(np.sqrt(10.0))
+    assert width[1][1] == pytest.approx(2 * NORMAL_95 * 0.11)
 
 
 def test_pairs_that_look_best_are_fitted_for_good(monkeypatch):

@@ -68,8 +68,7 @@ class Prepared:
 
     def finer(self) -> Prepared:
         """The same in half the steps, the re-tune as it is but for the starts; `from_` its own fit, it is fitted anew."""
-        own, tuned = self.parts["fit"].robot, self.base.fit
-        robot = Robot(own.backend, replace(own.numerics, fine=2 * own.numerics.fine))
+        robot, tuned = self.parts["fit"].robot.finer(), self.base.fit
         parts = {role: Replay.of(robot, part.segments) for role, part in self.parts.items()}
         begun = start(parts["fit"], tuned.model, tuned.change)
         tuned = replace(tuned, change=begun.change, residual=begun.residual, cost=limited(begun.residual))
@@ -97,11 +96,10 @@ def prepare(backend: str, walk: Walk, report: Callable[[str], None]) -> Prepared
     brief = [(robot, _tuned(robot, some, free, GROWING_MS[:1])[1]) for robot in robots]
     robot, found = min(brief, key=lambda tried: tried[1].cost)
     replay, tuned = _tuned(robot, some, free, GROWING_MS[1:], found)
-    finer = Robot(backend, Numerics(2, replay.robot.numerics.slip))
     parts = {"fit": replay} | {role: Replay.of(replay.robot, whole.some(part[role])) for role in ("select", "calibrate", "report")}
     starts = {role: start(parts[role], tuned.model) for role in ("select", "calibrate")}
     raw = start(parts["select"], Setting())
-    return _prepared(parts, tuned, starts, raw, _moved_by(finer, replay, tuned), worse)
+    return _prepared(parts, tuned, starts, raw, _moved_by(replay, tuned), worse)
 
 
 def _prepared(
@@ -132,9 +130,9 @@ def settled(replay: Replay, found: Fit, times: int = SETTLING) -> Fit:
     return found
 
 
-def _moved_by(finer: Robot, replay: Replay, tuned: Fit) -> float:
-    """Rms by which a finer simulation moves readings, in units of noise, once the starts have followed."""
-    away = Replay.of(finer, replay.segments).each(tuned.change, [tuned.model])[0] - tuned.residual
+def _moved_by(replay: Replay, tuned: Fit) -> float:
+    """Rms by which half the steps move readings, in units of noise, once the starts have followed."""
+    away = Replay.of(replay.robot.finer(), replay.segments).each(tuned.change, [tuned.model])[0] - tuned.residual
     slopes = replay.slopes(tuned.change, tuned.residual, tuned.model)
     own = np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, slopes.transpose(0, 2, 1) @ away[..., None])
     return float(np.sqrt(trimmed((away - (slopes @ own)[..., 0])[:, :-CHANGES])[0]))

@@ -187,8 +187,14 @@ def _polish(state: Search, count: int) -> None:
 
 def _from_given(state: Search, found: Fit) -> Fit:
     """A fit anew from the model as given, with the effects as they were found."""
-    replay, x = state.prepared.parts["fit"], found.x.copy()
+    x = found.x.copy()
     x[: len(state.base.fit.free)] = 0.0
+    return _from(state, found, x)
+
+
+def _from(state: Search, found: Fit, x: np.ndarray) -> Fit:
+    """A fit anew from other numbers (P,)."""
+    replay = state.prepared.parts["fit"]
     return fit(replay, found.free, x, found.effects, start(replay, setting(found.free, x, found.effects)).change)
 
 
@@ -228,13 +234,13 @@ def _anew(state: Search, h: Hypothesis) -> Hypothesis:
 
 def _shaken(state: Search, h: Hypothesis) -> Hypothesis:
     """The same, fitted from far to either side too: where fits do not come back from there and cost no more, no interval is narrower."""
-    replay, found, begun = state.prepared.parts["fit"], h.fit, []
-    off = np.linalg.solve(np.linalg.cholesky(found.hessian).T, np.random.default_rng(0).standard_normal(len(found.x)))
-    for far in (-SHAKEN, SHAKEN):
-        x = _inside(found.free, found.x + far * off)
-        begun.append(fit(replay, found.free, x, found.effects, start(replay, setting(found.free, x, found.effects)).change))
-    again = _settled(state, found, *begun)
-    return again if again.left < h.left else replace(h, fit=replace(found, away=again.fit.away))
+    found = h.fit
+    off = SHAKEN * np.linalg.solve(np.linalg.cholesky(found.hessian).T, np.random.default_rng(0).standard_normal(len(found.x)))
+    again = _settled(state, *(_from(state, found, _inside(found.free, found.x + way)) for way in (-off, off)))
+    best = kept(found, again.fit)
+    if again.fit.cost < found.cost and again.left < h.left:
+        return replace(again, fit=best)
+    return replace(h, fit=replace(found, away=best.away))
 
 
 def _settled(state: Search, *begun: Fit) -> Hypothesis:
