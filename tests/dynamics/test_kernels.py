@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from interpreter import Interpreter
 
-from hamr_dynamics import layout
+from hamr_dynamics import kernels, layout
 from hamr_dynamics.batch import BLOCK, SIGN, BatchSim
 from hamr_dynamics.engine import KernelEngine
 
@@ -125,3 +125,11 @@ def test_first_start_and_later_starts_give_the_same_bits(tmp_path, monkeypatch):
     assert list(tmp_path.glob("kernels/*.py"))
     assert outputs[0]
     assert outputs[0] == outputs[1]
+
+
+def test_another_compiler_finds_no_stale_code(tmp_path, monkeypatch):
+    monkeypatch.setenv("HAMR_CACHE", str(tmp_path))
+    first, again = (kernels.load_source("text", "answer = 42\n") for _ in range(2))
+    monkeypatch.setattr(kernels, "_compiler", lambda: b"another")
+    assert first is again
+    assert kernels.load_source("text", "answer = 42\n").__file__ != first.__file__

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -50,3 +52,11 @@ def test_pieces_start_where_they_were_measured_and_know_nothing_of_each_other():
 
 def test_the_slope_of_a_whole_run_is_its_gradient():
     np.testing.assert_allclose(slope(waves(TIME), STEP), np.gradient(waves(TIME), STEP, axis=0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("starts", [(), (0,)])
+def test_a_run_that_diverges_is_read_without_a_warning(starts):
+    y = np.array([[1e308], [-1e308], [1e308], [np.inf]] * 10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not np.isfinite(late(y, 0.5, 1.0, starts)).all()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from textwrap import indent
+from functools import partial
 
 from . import layout, leg_stages
 from .carried_rows import carried_rows
-from .emit import Part, part_source
+from .emit import Part, parts_source
 from .plant import Plant
 from .step_parts import step_parts
 
@@ -80,32 +79,25 @@ def source(plant: Plant, environment: str, robots: int, dtype: str, h: float, li
     acting = "{acted}" if plant.effects else "{drive}"
     driven = places | {"drive": places["torque" if plant.network else "acted" if plant.effects else "drive"]}
     looking = places | {"state": places["measured"]} if plant.effects else places
-    laws, functions = [part for part, _ in (*sense, *command, *chain) if part.sizes], []
-
-    def text(parts: Sequence[tuple[Part, int]], work: dict[str, int], depth: int) -> str:
-        """Calls of parts; what they call goes to `functions`."""
-        calls = ""
-        for part, lanes in parts:
-            function, call = part_source(part, lanes, work=work, flag=f"used[{laws.index(part)}]" if part.sizes else "")
-            functions.append(function)
-            calls += call
-        return indent(calls, " " * depth).rstrip()
-
+    laws = [part for part, _ in (*sense, *command, *chain) if part.sizes]
+    write = partial(parts_source, laws=laws, flag="used[{}]")
+    sources = {
+        "sense": write(sense, work=places, depth=12), "command": write(command, work=places, depth=12),
+        "servo": write([(servo, legs)], work=looking, depth=16), "chain": write(chain, work=driven, depth=12),
+        "observe": write([(observe, legs)], work=driven, depth=8),
+    }  # fmt: skip
+    functions, calls = "".join(text for text, _ in sources.values()), {name: text for name, (_, text) in sources.items()}
     carried = carried_rows(plant, laws, places, legs)
     blanks = spans | carried | {
         "size": size,
         "kept": 4 * legs,
         "scratch": plant.network.scratch(robots) if plant.network else 1,
         "network": f"network({spans['state']}, {acting.format(**spans)}, weights, scratch, {spans['torque']})" if plant.network else "",
-        "sense": ("\n" + text(sense, places, 12)).rstrip(),
-        "command": ("\n" + text(command, places, 12)).rstrip(),
-        "servo": text([(servo, legs)], looking, 16),
-        "chain": text(chain, driven, 12),
-        "observe": text([(observe, legs)], driven, 8),
+        **calls, "sense": ("\n" + calls["sense"]).rstrip(), "command": ("\n" + calls["command"]).rstrip(),
     }
     head = HEADER.format(plant=plant.name, environment=environment, dtype=dtype)
     network = plant.network.source(robots) if plant.network else ""
-    return "".join([head, network, carried["tables"], *functions, ADVANCE.format(**blanks), LOOK.format(**blanks)])
+    return "".join([head, network, carried["tables"], functions, ADVANCE.format(**blanks), LOOK.format(**blanks)])
 
 
 def _layout(plant: Plant, chain: list[tuple[Part, int]], robots: int) -> tuple[dict[str, int], dict[str, str], int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from textwrap import indent
 
 from .trace import Graph, Var
 
@@ -89,11 +90,23 @@ class Part:
     own: str = ""
 
 
-def part_source(part: Part, lanes: int, *, work: Mapping[str, int], flag: str) -> tuple[str, str]:
-    """Source of a part as a function of `work`, and of its call, which a law gets only where its flag is set."""
-    name, own = part.stage.name, {**work, "memory": work["state"] + part.memory * lanes} if part.sizes else work
-    call = f"if {flag}:\n    {name}(work)\n" if part.sizes else f"{name}(work)\n"
-    return _function(name, "work", loop_body(part.stage, lanes, work=own)), call
+def parts_source(
+    parts: Sequence[tuple[Part, int]], *, laws: Sequence[Part], work: Mapping[str, int], flag: str, depth: int
+) -> tuple[str, str]:  # fmt: skip
+    """Source of parts, each with its lanes, as functions of `work`, and of their calls in order, `depth` deep.
+
+    Args:
+        laws: parts that only some robots use; the k-th is called where `flag` of k is set.
+    """
+    functions, calls = "", ""
+    for part, lanes in parts:
+        name, own, call = part.stage.name, work, f"{part.stage.name}(work)\n"
+        if part.sizes:
+            own = {**work, "memory": work["state"] + part.memory * lanes}
+            call = f"if {flag.format(laws.index(part))}:\n    {call}"
+        functions += _function(name, "work", loop_body(part.stage, lanes, work=own))
+        calls += call
+    return functions, indent(calls, " " * depth).rstrip()
 
 
 def loop_source(stage: Stage, lanes: int) -> str:

@@ -7,13 +7,12 @@ long as the machine alone, and a lane seldom uses more than three.
 from __future__ import annotations
 
 from functools import lru_cache
-from textwrap import indent
 from types import ModuleType
 
 import numpy as np
 
+from . import emit
 from .driver import HEADER
-from .emit import part_source
 from .kernels import load_source
 from .machine import Machine
 from .machine_stages import arrays, parts
@@ -66,9 +65,7 @@ def parts_source(machine: Machine, places: dict[str, int], depth: int) -> tuple[
     """Source of the parts of a step, and of their calls in order, the k-th law behind `used[b, k]`."""
     found = parts(machine)
     laws = [part for part in found if part.sizes]
-    flags = [f"used[b, {laws.index(part)}]" if part.sizes else "" for part in found]
-    functions, calls = zip(*(part_source(p, LANES, work=places, flag=flag) for p, flag in zip(found, flags, strict=True)), strict=True)
-    return "".join(functions), indent("".join(calls), " " * depth).rstrip()
+    return emit.parts_source([(part, LANES) for part in found], laws=laws, work=places, flag="used[b, {}]", depth=depth)
 
 
 @lru_cache(maxsize=16)

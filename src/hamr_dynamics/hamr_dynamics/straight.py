@@ -23,8 +23,7 @@ def over_lanes(arrays: str, text: str):
 
     Args:
         arrays: its arguments by name: contiguous ones of one type of float.
-        text: Python: assignments to names and to places of arrays, last a loop over lanes of such. What means the same in plain Python is
-            tested against it.
+        text: assignments to names and to places of arrays, last a loop over lanes of such; it means what it would in plain Python.
     """
     names, (*before, loop) = arrays.split(", "), ast.parse(text).body
     lanes = ir.Constant(INDEX, loop.iter.args[0].value)
