@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -140,6 +141,16 @@ def test_runs_end_where_they_go_on():
                     for x, part in ((chosen.before.starts, both), (there, chosen)))  # fmt: skip
     assert np.allclose(whole.position[:, -chosen.samples :], after.position, rtol=0.0, atol=1e-4)
     assert np.abs(apart(whole.ends, after.ends) / chosen.sd).max() < 0.01  # contact makes rounding grow, by less than anyone can see
+
+
+def test_half_the_steps_come_nearer():
+    """Each halving moves readings by less than the one before."""
+    replay = Replay.of(Robot("simple"), segments(walked()[0], length_ms=8.0, every_ms=120.0))
+    change, read = np.zeros((len(replay), CHANGES)), []
+    for robot_ in (replay.robot, replay.robot.finer(), replay.robot.finer().finer()):
+        read.append(Replay.of(robot_, replay.segments).each(change, [Setting()])[0])
+    first, second = (np.median(np.abs(b - a).max(1)) for a, b in pairwise(read))
+    assert 0.0 < second < first
 
 
 def test_a_brief_fit_takes_the_slopes_that_it_is_given(monkeypatch):
