@@ -93,18 +93,19 @@ def test_every_case_has_a_line(tmp_path):
         (5, "outside", "unknown", [["outside", "cogging", ["fl_lift"]]], [(None, 0.99)]),
     ]  # fmt: skip
     for name, group, verdict, truth, weights in cases:
-        answer = {"group": group, "effects": [{"family": e, "law": law, "joints": joints} for e, law, joints in truth]}
+        effects = [{"family": e, "law": law, "joints": joints} for e, law, joints in truth]
+        answer = {"group": group, "effects": effects, "reached": [5.12345, 3.0] if truth else [], "seconds": 12.0, "noise": 2e-4}
         found = [{"effects": effects, "probability": p} for effects, p in weights]
         for folder, content in (("answers", answer), ("verdicts", {"verdict": verdict, "weights": found, "best": 1.25, "seconds": 31.4})):
             (tmp_path / folder).mkdir(exist_ok=True)
             (tmp_path / folder / f"{name}.json").write_text(json.dumps(content))
     listing.write(tmp_path / "cases.csv", [scored(tmp_path, name) for name, *_ in cases])
-    both = "backlash (fl_lift, fl_swing) + drive_lag (fl_lift)"
+    both, data = "backlash (fl_lift, fl_swing) + drive_lag (fl_lift)", ("12", "0.0002")
     with (tmp_path / "cases.csv").open(newline="") as file:
         lines = list(csv.reader(file))
     assert lines == [
         list(listing.COLUMNS),
-        ["3", "null", "", "parameters_only", "", "", "1", "0", "1.250", "31"],
-        ["5", "outside", "cogging (fl_lift)", "unknown", "unknown", "0.990", "1", "0", "1.250", "31"],
-        ["7", "pair", both, "ambiguous", "drive_lag (fl_lift)", "0.600", "0", "1", "1.250", "31"],
+        ["3", "null", "", "parameters_only", "", "", "1", "0", "1.250", "31", "", *data],
+        ["5", "outside", "cogging (fl_lift)", "unknown", "unknown", "0.990", "1", "0", "1.250", "31", "5.123", *data],
+        ["7", "pair", both, "ambiguous", "drive_lag (fl_lift)", "0.600", "0", "1", "1.250", "31", "5.123", *data],
     ]

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import csv
+
 import numpy as np
 import pytest
+from matplotlib.image import imread
 from scipy.special import expit, logit
 
-from hamr_gap.bench.power import WANTED, power
+from hamr_description.errors import ConfigError
+from hamr_gap.bench.listing import COLUMNS, VERDICT
+from hamr_gap.bench.power import WANTED, main, outcomes, power
 
 EASY, HARD, SLOPE = 2.0, -1.0, 2.2  # log odds at a strength of one floor; per factor e
 
@@ -50,3 +55,39 @@ def test_nothing_is_said_beyond_the_strengths_that_were_tried():
 def test_a_family_that_was_never_missed_needs_less_than_one_that_was():
     found = power([("sure", 5.0, 12.0, 3e-3, True)] * 20 + [("unsure", 5.0, 12.0, 3e-3, k % 2 == 0) for k in range(20)])
     assert found.needed("sure")[0] < 0.5 * found.needed("unsure")[0]
+
+
+def listed(path, cases, columns=COLUMNS):
+    """A listing of cases, with one pair among them."""
+    with path.open("w", newline="") as file:
+        out = csv.DictWriter(file, columns, restval="0", extrasaction="ignore")
+        out.writeheader()
+        out.writerow({"group": "pair", "hidden": "easy (fl_lift) + hard (fl_lift)", "right": "1"})
+        for family, strength, seconds, noise, right in cases:
+            line = {"group": "single", "hidden": f"{family} (fl_lift, fl_swing)", "right": int(right)}
+            out.writerow(line | {"strength": strength, "recorded_s": seconds, "noise": noise})
+    return path
+
+
+def test_the_map_is_made_of_listings(tmp_path, capsys):
+    """The single effects of all files, as a table of what each needs and as a picture."""
+    cases = drawn(200, 1)
+    halves = [listed(tmp_path / f"{k}.csv", cases[k::2]) for k in (0, 1)]
+    assert sorted(outcomes(halves)) == sorted(cases)
+    main(tuple(halves), tmp_path / "map.png")
+    table = capsys.readouterr().out.splitlines()
+    assert table[0] == "| effect | right | 3 s | 12 s |"
+    found, tried = power(cases), (min(c[1] for c in cases), max(c[1] for c in cases))
+    counts = {family: [right for name, *_, right in cases if name == family] for family in found.families}
+    assert table[2:4] == [
+        f"| `{family}` | {sum(own)} of {len(own)} | {found.said(family, 3.0, tried)} | {found.said(family, 12.0, tried)} |"
+        for family, own in counts.items()
+    ]
+    assert imread(tmp_path / "map.png").shape[2] == 4
+
+
+def test_listings_that_cannot_tell_are_refused(tmp_path):
+    with pytest.raises(ConfigError, match="does not say strength"):
+        outcomes([listed(tmp_path / "old.csv", [], VERDICT)])
+    with pytest.raises(ConfigError, match="No solved case with a single effect"):
+        outcomes([listed(tmp_path / "pairs.csv", [])])

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.stats import binomtest
 
 from hamr_description.errors import ConfigError
-from hamr_gap.bench.pool import main, pooled, read
+from hamr_gap.bench.listing import DATA, read
+from hamr_gap.bench.pool import main, pooled
 from hamr_gap.bench.rates import interval, rate
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -67,3 +68,8 @@ def test_what_is_no_listing_is_refused(tmp_path):
     (tmp_path / "other.csv").write_text("a,b\n1,2\n")
     with pytest.raises(ConfigError, match="is no listing of the benchmark"):
         read(tmp_path / "other.csv")
+
+
+def test_a_listing_without_what_is_needed_says_how_to_get_it():
+    with pytest.raises(ConfigError, match="does not say strength, recorded_s, noise; the same `hamr gap bench` writes it anew"):
+        read(DOCS / "gap_bench_seventh.csv", DATA)

@@ -6,9 +6,15 @@ import csv
 from collections.abc import Iterable, Set
 from pathlib import Path
 
+import numpy as np
+
+from hamr_description.errors import ConfigError
+
 from .score import Scored
 
-COLUMNS = ("case", "group", "hidden", "verdict", "first", "probability", "right", "in_set", "left", "seconds")
+VERDICT = ("case", "group", "hidden", "verdict", "first", "probability", "right", "in_set", "left", "seconds")
+DATA = ("strength", "recorded_s", "noise")
+COLUMNS = VERDICT + DATA
 
 
 def write(path: Path, cases: Iterable[Scored]) -> None:
@@ -19,6 +25,8 @@ def write(path: Path, cases: Iterable[Scored]) -> None:
     probability: of the first answer. right: whether the first answer is what was hidden, unknown of what no library has, and nothing of
     nothing (0, 1). in_set: whether the set holds it.
     left: mean square that the best names leave, in units of the noise. seconds: of a processor.
+    strength: that all effects together reach, in floors. recorded_s: length of the record, s. noise: standard deviation of the
+    encoders', as a share of the stroke.
     """
     with path.open("w", newline="") as file:
         out = csv.writer(file)
@@ -29,8 +37,25 @@ def write(path: Path, cases: Iterable[Scored]) -> None:
             left = f"{case.result['best']:.3f}" if "best" in case.result else ""
             out.writerow([
                 case.name, case.group, hidden(case), case.verdict, first, probability, int(right(case)), int(case.covered), left,
-                f"{case.result['seconds']:.0f}",
+                f"{case.result['seconds']:.0f}", *data(case),
             ])  # fmt: skip
+
+
+def read(path: Path, needed: tuple[str, ...] = VERDICT) -> list[dict[str, str]]:
+    """Lines of a listing; ConfigError if it has not the columns that are needed."""
+    with path.open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    if not lines or not set(VERDICT) <= set(lines[0]):
+        raise ConfigError(f"{path} is no listing of the benchmark; `hamr gap bench` writes them, as verdicts.csv.")
+    if missing := ", ".join(column for column in needed if column not in lines[0]):
+        raise ConfigError(f"{path} does not say {missing}; the same `hamr gap bench` writes it anew and solves nothing twice.")
+    return lines
+
+
+def data(case: Scored) -> tuple[str, str, str]:
+    """DATA of a case, as text; an answer says first what all effects reach together, and nothing of a null."""
+    values = (case.answer[key] for key in ("reached", "seconds", "noise"))
+    return tuple("".join(f"{x:.4g}" for x in np.ravel(value)[:1]) for value in values)
 
 
 def right(case: Scored) -> bool:

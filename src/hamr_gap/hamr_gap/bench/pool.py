@@ -5,7 +5,6 @@ Each set was drawn and solved once with the code that was there then, so the poo
 
 from __future__ import annotations
 
-import csv
 import re
 import sys
 from collections.abc import Iterable
@@ -14,21 +13,12 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from hamr_description.errors import ConfigError, HamrError
+from hamr_description.errors import HamrError
 
-from .listing import COLUMNS
+from .listing import read
 from .rates import rate
 
 KNOWN = ("single", "pair", "triple")
-
-
-def read(path: Path) -> list[dict[str, str]]:
-    """Lines of a listing; ConfigError if it is none."""
-    with path.open(newline="") as file:
-        lines = list(csv.DictReader(file))
-    if not lines or tuple(lines[0]) != COLUMNS:
-        raise ConfigError(f"{path} is no listing of the benchmark; `hamr gap bench` writes them, as verdicts.csv.")
-    return lines
 
 
 def pooled(lines: Iterable[dict[str, str]]) -> list[tuple[str, str]]:

@@ -1,7 +1,7 @@
 """How strong an effect must be to be named: a logistic curve over strength, seconds of data and noise, from cases that were solved.
 
-    hamr gap bench --set report --singles 52 --strength 1 --out out/gap_weak       and other strengths, in folders of their own
-    python -m hamr_gap.bench.power out/gap_bench out/gap_weak                      the map
+    hamr gap bench --set report --singles 54 --strength 1 --out out/gap_weak                 and other strengths, in folders of their own
+    python -m hamr_gap.bench.power out/gap_bench/verdicts.csv out/gap_weak/verdicts.csv      the map
 
 Families share the slopes and differ in where their curve lies; a weak prior holds what few cases leave open. So a family that was
 never missed has a bound rather than a figure.
@@ -21,7 +21,7 @@ from scipy.special import expit, logit
 
 from hamr_description.errors import ConfigError, HamrError
 
-from . import score
+from . import listing, power_plot
 
 WANTED = 0.9  # probability of the right name at the right place
 USUAL_S, USUAL_NOISE = 12.0, 3e-3  # of a run, and share of the stroke
@@ -90,24 +90,22 @@ def _row(families: Sequence[str], family: str, strength: float, seconds: float, 
     return np.array([*(1.0 if family == other else 0.0 for other in families), *slopes])
 
 
-def outcomes(folders: Sequence[Path], verdicts: str = "verdicts") -> list[tuple[str, float, float, float, bool]]:
-    """What `power` needs, of the single effects of legs in folders of the benchmark."""
-    done = [score.scored(folder, int(file.stem), verdicts) for folder in folders for file in sorted((folder / verdicts).glob("*.json"))]
-    singles = [c for c in done if c.group == "single"]
-    return [
-        (c.answer["effects"][0]["family"], c.answer["reached"][0], c.answer["seconds"], c.answer["noise"], c.exact) for c in singles
-    ]
+def outcomes(listings: Sequence[Path]) -> list[tuple[str, float, float, float, bool]]:
+    """What `power` needs, of the single effects in listings of the benchmark."""
+    lines = [line for path in listings for line in listing.read(path, listing.COLUMNS) if line["group"] == "single"]
+    if not lines:
+        raise ConfigError("No solved case with a single effect is in these listings; make some with: hamr gap bench --singles 54")
+    numbers = ([float(line[column]) for column in listing.DATA] for line in lines)
+    return [(line["hidden"].split(" (")[0], *of, line["right"] == "1") for line, of in zip(lines, numbers, strict=True)]
 
 
-def main(folders: tyro.conf.Positional[tuple[Path, ...]], verdicts: str = "verdicts") -> None:
-    """Prints the map: strengths in floors of 12 s and, where such cases are there, of other lengths.
+def main(listings: tyro.conf.Positional[tuple[Path, ...]], picture: Path | None = None) -> None:
+    """Prints the map: strengths in floors, for each length of record that was tried.
 
     Args:
-        folders: of the benchmark. verdicts: their folder of verdicts.
+        listings: files that `hamr gap bench` wrote. picture: file for the same as a picture, with every case.
     """
-    cases = outcomes(folders, verdicts)
-    if not cases:
-        raise ConfigError("No solved case with a single effect is in these folders; make some with: hamr gap bench --singles 52")
+    cases = outcomes(listings)
     found = power(cases)
     lengths = sorted({seconds for _, _, seconds, _, _ in cases})
     strengths = [strength for _, strength, *_ in cases]
@@ -121,6 +119,8 @@ def main(folders: tyro.conf.Positional[tuple[Path, ...]], verdicts: str = "verdi
     for name, x, sd in zip(("strength", "seconds", "noise"), found.values[-3:], np.sqrt(np.diag(found.covariance))[-3:], strict=True):
         say(f"\nlog odds per factor e in {name}: {x:.2f} +- {sd:.2f}")
     say("\n")
+    if picture:
+        power_plot.drawn(cases, found, lengths).savefig(picture)
 
 
 if __name__ == "__main__":
