@@ -8,10 +8,10 @@ import pytest
 from hamr_gap.walking.bags import read
 from hamr_gap.walking.candidates import forms
 from hamr_gap.walking.fit import Fit
+from hamr_gap.walking.looks import OUTSIDE
 from hamr_gap.walking.replay import Replay
 from hamr_gap.walking.robot import Numerics, Robot
 from hamr_gap.walking.screen import Screen
-from hamr_gap.walking.search import OUTSIDE
 from hamr_gap.walking.segments import segments
 from hamr_gap.walking.setting import Candidate, Setting, retune
 from hamr_gap.walking.starts import start

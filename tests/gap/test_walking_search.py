@@ -11,11 +11,12 @@ import pytest
 from hamr_gap.fitting.parameters import Free
 from hamr_gap.judging.interval import NORMAL_95
 from hamr_gap.naming.hypothesis import Hypothesis
-from hamr_gap.walking import analyse, candidates, screen, search
+from hamr_gap.walking import again, analyse, candidates, looks, screen, search
 from hamr_gap.walking.fit import Fit
 from hamr_gap.walking.found import _intervals
 from hamr_gap.walking.segments import CHANGES
 from hamr_gap.walking.setting import Candidate, Setting
+from hamr_gap.walking.state import Search
 
 FLOOR, LEAST = 0.86, 0.25
 FRICTION, SLOPE, TETHER, LAG = (
@@ -39,20 +40,20 @@ def left(share: float, *effects: Candidate) -> Hypothesis:
     return Hypothesis(effects, fitted, share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))))
 
 
-def searched(base: float, *tried: Hypothesis) -> search.Search:
+def searched(base: float, *tried: Hypothesis) -> Search:
     judged = SimpleNamespace(observed=SimpleNamespace(readings=100))
     parts = {"fit": None, "select": type("Judged", (SimpleNamespace,), {"__len__": lambda _: 64})(**vars(judged))}
     prepared = SimpleNamespace(base=left(base), floor=FLOOR, least=LEAST, numerical=0.1, coarse=False, parts=parts, raw=left(2.0 * base))
-    return search.Search(prepared, list(tried))
+    return Search(prepared, list(tried))
 
 
 @pytest.mark.parametrize(("others", "taken_up"), [(1.4, True), (1.6, False)])
 def test_a_rival_is_measured_by_what_the_best_left_before_it_was_taken_up(monkeypatch, others, taken_up):
     """The best may leave half as much afterwards, and so may the rival."""
     state, done = searched(9.0, left(2.0, SLOPE), left(2.0 * others, TETHER)), []
-    monkeypatch.setattr(search, "_from_given", lambda state, found: found)
-    monkeypatch.setattr(search, "_settled", lambda state, *begun: done.append(begun) or left(1.0, SLOPE))
-    search._polish(state, 2)
+    monkeypatch.setattr(again, "_from_given", lambda state, found: found)
+    monkeypatch.setattr(again, "_settled", lambda state, *begun: done.append(begun) or left(1.0, SLOPE))
+    again.polish(state)
     assert len(done) == 1 + taken_up
 
 
@@ -63,13 +64,13 @@ def test_the_best_is_taken_up_again_though_it_gains_little_at_first(monkeypatch,
     state, done = searched(9.0), {"polished": 0, "paired": 0}
     state.prepared.base.fit.free = ()
     monkeypatch.setattr(search, "prepare", lambda *_: state.prepared)
-    monkeypatch.setattr(search, "Screen", lambda *_: SimpleNamespace(singles=lambda: []))
-    monkeypatch.setattr(search, "_best", lambda *_: [])
-    monkeypatch.setattr(search, "_outside", lambda _: tried)
-    monkeypatch.setattr(search, "_judged", lambda _, found: found)
-    monkeypatch.setattr(search, "_from_given", lambda _, found: found)
-    monkeypatch.setattr(search, "_settle", lambda _: None)
-    monkeypatch.setattr(search, "_shaken", lambda _, h: h)
+    monkeypatch.setattr(looks, "screen", lambda _: SimpleNamespace(singles=lambda: []))
+    monkeypatch.setattr(looks, "alone", lambda *_: [])
+    monkeypatch.setattr(looks, "outside", lambda _: tried)
+    monkeypatch.setattr(Search, "judged", lambda _, found: found)
+    monkeypatch.setattr(again, "_from_given", lambda _, found: found)
+    monkeypatch.setattr(again, "settle", lambda _: None)
+    monkeypatch.setattr(again, "shake", lambda _: None)
 
     def settled(_, found, anew):
         done["polished"] += 1
@@ -79,8 +80,8 @@ def test_the_best_is_taken_up_again_though_it_gains_little_at_first(monkeypatch,
         done["paired"] += 1
         return []
 
-    monkeypatch.setattr(search, "_settled", settled)
-    monkeypatch.setattr(search, "_pairs", pairs)
+    monkeypatch.setattr(again, "_settled", settled)
+    monkeypatch.setattr(looks, "pairs", pairs)
     state.prepared.from_ = lambda _: state.prepared
     search.search("simple", None)
     assert done == {"polished": taken_up, "paired": paired}
@@ -91,10 +92,10 @@ def test_the_best_is_taken_up_again_though_it_gains_little_at_first(monkeypatch,
 def test_finer_steps_are_kept_where_they_leave_less(monkeypatch, fine, adopted, tried):
     """What a simulation recorded may have steps as coarse as the search's; what is no rival of the best is not fitted again."""
     coarse, finer, fitted = searched(9.0 if tried else 2.0), searched(8.9).prepared, searched(8.8 if tried else fine).prepared
-    state, finer.from_ = search.Search(coarse.prepared, list(tried)), lambda _: fitted
+    state, finer.from_ = Search(coarse.prepared, list(tried)), lambda _: fitted
     state.prepared.finer = lambda: finer
-    monkeypatch.setattr(search, "_anew", lambda _, h: left(h.left + fine - 2.0, *h.effects))
-    search._refine(state)
+    monkeypatch.setattr(again, "_anew", lambda _, h: left(h.left + fine - 2.0, *h.effects))
+    again.refine(state)
     assert state.prepared is (fitted if adopted else coarse.prepared)
     assert [h.left for h in state.tried] == pytest.approx([1.0, 1.9, 3.5][: len(tried)] if adopted else [h.left for h in tried])
 
@@ -107,10 +108,13 @@ def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, cost, left_, ad
     free = [Free(name, 1.0, low, np.inf, 0.0, 1.0) for name, low in (("a", -np.inf), ("b", 0.0))]
     found = Fit(tuple(free), np.array([1.0, 0.5]), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.diag([100.0, 4.0]), 0.5)
     there = replace(found, x=found.x + [1.0, 0.0], cost=cost, away=0.0)
-    state, begun = searched(9.0), []
-    monkeypatch.setattr(search, "_from", lambda state, found, x: begun.append(x) or there)
-    monkeypatch.setattr(search, "_settled", lambda _, *fits: len(fits) == 2 and Hypothesis((SLOPE,), fits[0], left_, np.ones(24)))
-    h = search._shaken(state, Hypothesis((SLOPE,), found, 2.0, np.ones(24)))
+    state, begun = searched(9.0, Hypothesis((SLOPE,), found, 2.0, np.ones(24))), []
+    state.prepared.from_ = lambda best: SimpleNamespace(base=state.base, begun=best)
+    monkeypatch.setattr(again, "_from", lambda state, found, x: begun.append(x) or there)
+    monkeypatch.setattr(again, "_settled", lambda _, *fits: len(fits) == 2 and Hypothesis((SLOPE,), fits[0], left_, np.ones(24)))
+    again.shake(state)
+    (h,) = state.tried
+    assert state.prepared.begun is h.fit
     off = (np.array(begun) - found.x) * [10.0, 2.0]
     assert np.allclose(off[:, 0], 5.0 * np.random.default_rng(0).standard_normal(2)[0] * np.array([-1.0, 1.0]))
     assert min(x[1] for x in begun) > 0.0
@@ -120,9 +124,9 @@ def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, cost, left_, ad
 
 def test_what_was_seen_of_other_minima_holds_in_finer_steps(monkeypatch):
     found = Fit((), np.zeros(2), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.eye(2), 3.0)
-    monkeypatch.setattr(search, "fit", lambda *_: replace(found, away=0.0))
-    monkeypatch.setattr(search, "_settled", lambda _, again: Hypothesis((SLOPE,), again, 1.0, np.ones(24)))
-    assert search._anew(searched(9.0), Hypothesis((SLOPE,), found, 2.0, np.ones(24))).fit.away == 3.0
+    monkeypatch.setattr(again, "fit", lambda *_: replace(found, away=0.0))
+    monkeypatch.setattr(again, "_settled", lambda _, again: Hypothesis((SLOPE,), again, 1.0, np.ones(24)))
+    assert again._anew(searched(9.0), Hypothesis((SLOPE,), found, 2.0, np.ones(24))).fit.away == 3.0
 
 
 def test_intervals_are_as_wide_as_fits_end_apart():
@@ -160,10 +164,9 @@ def test_pairs_that_look_best_are_fitted_for_good(monkeypatch):
             fitted.append(s.effects)
         return SimpleNamespace(cost=cost[s.effects[0]] if len(s.effects) == 1 else 99.0)
 
-    monkeypatch.setattr(search, "Screen", Screen)
-    monkeypatch.setattr(search, "_fitted", look)
-    monkeypatch.setattr(search, "_judged", lambda state, found: found)
-    search._pairs(state, Screen(), [])
+    monkeypatch.setattr(looks, "Screen", Screen)
+    monkeypatch.setattr(looks, "_fitted", look)
+    looks.pairs(state, Screen(), [])
     assert fitted == [(TETHER,), (LAG,)]
 
 
@@ -189,17 +192,17 @@ def test_what_acts_on_chassis_and_feet_is_fitted_from_the_model_as_given(monkeyp
         return SimpleNamespace(change=np.arange(8))
 
     def fit(replay, free, x, effects, begun, rounds):
-        np.testing.assert_array_equal(begun, np.arange(8) if rounds == search.ROUNDS else [0, 2, 4, 6])
+        np.testing.assert_array_equal(begun, np.arange(8) if rounds == looks.ROUNDS else [0, 2, 4, 6])
         assert len(replay) == len(begun)
         (own,) = effects
-        done = good if rounds == search.ROUNDS else brief
+        done = good if rounds == looks.ROUNDS else brief
         done[own.effect, own.place] = x[:2], [f.low < value < f.high for f, value in zip(free[2:], x[2:], strict=True)]
         shares = {"gravity_tilt": 0.5 * share, "added_mass": share}
         return SimpleNamespace(cost=shares.get(own.effect, share + 0.05) * of_the_re_tune)
 
-    monkeypatch.setattr(search, "start", start)
-    monkeypatch.setattr(search, "fit", fit)
-    found = search._outside(state)
+    monkeypatch.setattr(looks, "start", start)
+    monkeypatch.setattr(looks, "fit", fit)
+    found = looks.outside(state)
     assert {effect for effect, _ in brief} == {
         "added_mass",
         "air_drag",

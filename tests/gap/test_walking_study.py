@@ -15,7 +15,7 @@ from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic
 from hamr_dynamics.batch import BatchSim
 from hamr_dynamics.effects.library import find
-from hamr_gap.walking import roles, search, strides
+from hamr_gap.walking import again, looks, roles, strides
 from hamr_gap.walking.bags import on_the_ground, read
 from hamr_gap.walking.study import study
 from hamr_gap.walking.walk import Walk, turned
@@ -61,8 +61,8 @@ def test_a_hung_robot_is_refused(tmp_path):
 
 def test_friction_is_named_shown_and_written(walk, tmp_path, monkeypatch):
     names = ("ground_friction", "factor"), ("gravity_tilt", "slope"), ("cubic_stiffness", "cubic")
-    monkeypatch.setattr(search, "forms", lambda: [(name, find(name, form)) for name, form in names])
-    for module, name, fewer in ((roles, "FITTED", 16), (roles, "JUDGED", 12), (search, "SINGLES", 2), (search, "POLISHED", 1)):
+    monkeypatch.setattr(looks, "forms", lambda: [(name, find(name, form)) for name, form in names])
+    for module, name, fewer in ((roles, "FITTED", 16), (roles, "JUDGED", 12), (looks, "SINGLES", 2), (again, "POLISHED", 1)):
         monkeypatch.setattr(module, name, fewer)  # less of everything, the same way
     monkeypatch.setattr(strides, "MOST", 12)
     found = study("simple", walk, tmp_path)

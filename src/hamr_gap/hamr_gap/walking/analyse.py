@@ -12,8 +12,9 @@ from ..judging.weigh import Weight, credible, weigh
 from ..naming.blocks import better
 from ..naming.hypothesis import Hypothesis
 from .left import left_of
-from .search import Search, search
+from .search import search
 from .starts import start
+from .state import Search
 from .walk import Walk
 
 UNEXPLAINED = 2.5  # times what noise leaves: a re-tune that leaves more explains nothing; contacts that went another way left up to 1.7

@@ -25,10 +25,10 @@ from .candidates import missing
 from .fit import Fit
 from .observe import Observed
 from .robot import Numerics, Robot
-from .search import Search
 from .segments import CHANGES
 from .setting import Setting, setting
 from .starts import start
+from .state import Search
 from .walk import Noise, Walk
 
 ROBOT = "robot"
