@@ -167,6 +167,22 @@ def test_thresholds_found_at_each_joint_are_tried_together():
     assert limits["drive_saturation.hard.sharpness.1"] == pytest.approx(45.0, rel=0.02)
 
 
+def test_limits_between_those_that_were_seen_are_where_starts_look_for_them():
+    """Limits between sizes of which one does nothing, or too little, and the next far too much; of one side each."""
+    rms = float(np.std(shaken("drive_saturation.sides", {}).drives))
+    limits = {"upper.0": 2.3 * rms, "lower.1": 2.1 * rms}
+    clipped = prepare(machine_of("simple", "fl"), shaken("drive_saturation.sides", {name: 1.0 / x for name, x in limits.items()}))
+    c, unit = Candidate("drive_saturation", "sides", (0, 1)), clipped.weighed.model.scales.drive
+    seen = look(clipped.weighed, clipped.base.fit, [c])
+    start = min(singles(clipped.weighed, clipped.base.fit, seen, [c]), key=lambda s: s.cost)
+    assert start.cost < 0.2 * clipped.base.fit.cost
+    found = {f.row: unit / x for f, x in zip(start.free, start.x, strict=True) if "sides" in f.row and x}
+    assert found == pytest.approx({f"drive_saturation.sides.{name}": x for name, x in limits.items()}, rel=0.02)
+    for k in [k for k, column in enumerate(seen.columns) if column.row.endswith(tuple(limits))]:
+        sizes = [seen.size_of(k, share) for share in np.linspace(0.0, 1.0, 6)]
+        assert sizes[-1] == seen.columns[k].size and (np.diff(sizes) > 0.0).all()
+
+
 BESIDE = (Candidate("quadratic_damping", "square", (1,)), Candidate("drive_lag", "first_order", (1,)))
 
 

@@ -17,7 +17,7 @@ from .screen import BATCH, Screen, Solution
 
 #: Shares of a linear solution that are simulated: of its re-tune, which may lead astray where the base is far off, and of its effects.
 STEPS = ((1.0, 1.0), (0.4, 0.4), (0.15, 0.15), (0.0, 0.15))
-SEEN = 0.2  # of its response, that a size with a threshold must show in a solution
+SEEN = 0.05  # of its response, that a size with a threshold must show in a solution, or it is off
 BLOCKS = 24  # of the judged readings, for spread
 FEWEST = 6  # pieces that are blocks of their own, and blocks there must be
 MOVES = 3.0  # standard deviations of the noise, by which a sensor's readings vary within a block that tells something
@@ -128,9 +128,9 @@ def _at(
     old = dict(zip((f.row for f in base.free), base.x, strict=True))
     for c, v in zip(solution.chosen, solution.value[seen.fixed :], strict=True):
         column = seen.columns[c]
-        step = share * (v * column.size or 0.02 * column.parameter.typical)
-        if column.parameter.screen:  # a size with a threshold is tried where it was seen, or is off
-            step = column.size if v > SEEN else 0.0
+        step = seen.size_of(c, share * v) or 0.02 * share * column.parameter.typical
+        if column.parameter.screen and v < SEEN:
+            step = 0.0
         x[column.row] = old.get(column.row, 0.0) + step
         x |= {row: s for row, s in column.shapes if row not in old}
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])

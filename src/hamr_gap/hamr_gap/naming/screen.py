@@ -24,6 +24,7 @@ from ..fitting.weighed import Weighed
 BATCH = 48  # lanes at a time
 NEAR = 2.0  # times as large or small a response as wanted, that serves as well
 RESIZED = 3  # times that a size is changed for it: what a machine does in the end grows less than what slows it down
+ROUNDING = 1e-6  # of the largest response of a size with a threshold: what does no more does nothing
 DIVERGED = 1e9  # in units of the noise: as which larger responses count
 
 
@@ -88,6 +89,25 @@ class Screen:
             x[beyond] = np.where(value < low, low, high)[beyond] / scale[beyond]
             held |= beyond
         return Solution(tuple(chosen), x * scale, 0.5 * float(square - 2.0 * x @ right + x @ matrix @ x))
+
+    def size_of(self, k: int, share: float) -> float:
+        """Size at which column k responds with a share of what it was seen with.
+
+        One with a threshold does nothing before that is met, and then about as much as it is beyond: between the sizes that were seen
+        the rms of the responses, as far as it grows, says where. The threshold is where the line through the first two meets zero.
+        """
+        column = self.columns[k]
+        if not column.parameter.screen:
+            return share * column.size
+        own = [j for j, c in enumerate(self.columns) if (c.row, c.shapes) == (column.row, column.shapes)]
+        sizes, rms = np.array([self.columns[j].size for j in own]), np.sqrt(np.diag(self.fitted[0])[self.fixed + np.array(own)])
+        last = own.index(k)
+        first = min(int(np.argmax(rms > ROUNDING * rms.max())), last)
+        met = 0.0 if first == 0 else sizes[first - 1]
+        if first + 1 < len(own) and rms[first + 1] > rms[first]:
+            met = max(met, sizes[first] - rms[first] * (sizes[first + 1] - sizes[first]) / (rms[first + 1] - rms[first]))
+        below, above = np.minimum.accumulate(rms[first : last + 1][::-1])[::-1], np.maximum.accumulate(rms[last:])[1:]
+        return float(np.interp(share * rms[last], [0.0, *below, *above], [met, *sizes[first:]]))
 
     def best(self, candidate: Candidate, count: int = 1) -> list[Solution]:
         """The shapes with which a candidate alone explains most of the fitted readings."""
