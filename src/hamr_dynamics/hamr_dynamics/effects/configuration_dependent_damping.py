@@ -18,7 +18,7 @@ def polynomial(x: Joint, p, z):
 
 
 CENTRE = Parameter("centre", "Q", 0.0, -3.0, 3.0, "angle of the middle", shape=True, screen=(-2.0, -1.0, 0.0, 1.0, 2.0))
-WIDTH = Parameter("width", "Q", 0.8, 0.1, 10.0, "angle from the middle at which half is left", shape=True, screen=(0.5, 1.5))
+WIDTH = Parameter("width", "Q", 0.8, 0.03, 10.0, "angle from the middle at which half is left", shape=True, screen=(0.5, 1.5))
 
 
 def bell(q, p):
