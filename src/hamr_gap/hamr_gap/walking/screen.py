@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 
+from hamr_description.numbers import value
 from hamr_dynamics.effects.law import Form, Parameter
 from hamr_dynamics.effects.library import find
 
@@ -20,6 +21,8 @@ from .setting import Candidate, Setting, setting
 
 LARGE = 3.0  # typical sizes, at which responses are taken: contacts bend them, and chords order names and places as tangents do not
 BATCH = 24  # models simulated at once
+PASSED, SEEN = 1.1, 0.05  # of the largest drive, over a limit that is tried; share of its response, below which it is off
+NEUTRAL = value("actuator.neutral_voltage")
 WIDE = 30.0  # of typical sizes: the prior of a size
 
 
@@ -60,7 +63,8 @@ class Screen:
         self.slopes = replay.slopes(about.change, about.residual, about.model)
         self.fixed = columns(replay, about.free, about.x, about.effects, about.change, about.residual)
         self._place: dict[Column, int] = {}
-        responses, jobs = [], _jobs(wanted)
+        self._reach = float(np.abs(replay.observed.drives.volts - NEUTRAL).max())
+        responses, jobs = [], _jobs(wanted, self._reach)
         for at in range(0, len(jobs), BATCH):
             part = jobs[at : at + BATCH]
             left = replay.each(about.change, [_with(about, candidate, values) for _, candidate, values in part])
@@ -96,8 +100,15 @@ class Screen:
         low, high = np.array([p.low for _, p in sizes]), np.array([p.high for _, p in sizes])
         hessian = hessian + np.diag(prior)
         step = bounded(hessian, gradient, np.zeros(len(sizes)), low, high)
-        values |= {c.row(p): float(v) for (c, p), v in zip(sizes, np.clip(step, low, high), strict=True)}
+        values |= {c.row(p): self._begun(c, p, float(v)) for (c, p), v in zip(sizes, np.clip(step, low, high), strict=True)}
         return Solution(tuple(effects), values, float(gradient @ step - 0.5 * step @ hessian @ step))
+
+    def _begun(self, c: Candidate, p: Parameter, size: float) -> float:
+        """A size where a fit may begin: one with a threshold as far beyond that as its share of the response that was seen, or off."""
+        if not p.screen:
+            return size
+        seen, met = _seen(c, p, self._reach), _met(c, p, self._reach)
+        return met + (seen - met) * size / seen if size > SEEN * seen else 0.0
 
     def singles(self) -> list[Solution]:
         """Of each candidate with the shapes that suit it, largest gain first."""
@@ -114,13 +125,23 @@ class Screen:
         return [(Candidate(name, form, place), own) for name, form, own in seen for place in PLACES[kind(find(name, form))]]
 
 
-def _jobs(wanted: Sequence[tuple[str, Form]]) -> list[tuple[Column, Candidate, dict[str, float]]]:
-    """Each column with its candidate and the parameters, in scales, at which it is simulated."""
+def _met(c: Candidate, p: Parameter, reach: float) -> float:
+    """One over a limit, in scales, that the largest drive just meets."""
+    return 1.0 / (c.scale(p) * reach)
+
+
+def _seen(c: Candidate, p: Parameter, reach: float) -> float:
+    """Size, in scales, at which a response is taken."""
+    return PASSED * _met(c, p, reach) if p.screen else LARGE * p.typical
+
+
+def _jobs(wanted: Sequence[tuple[str, Form]], reach: float) -> list[tuple[Column, Candidate, dict[str, float]]]:
+    """Each column with its candidate and the parameters, in scales, at which it is simulated; the largest drive is `reach` V."""
     found = []
     for effect, form in wanted:
         for own, unit, p in product(shapes_of(form), UNITS[kind(form)], form.sizes):
-            size = p.screen[0] if p.screen else LARGE * p.typical
-            found.append((Column(effect, form.name, own, unit, p.name), Candidate(effect, form.name, unit), {p.name: size} | dict(own)))
+            c = Candidate(effect, form.name, unit)
+            found.append((Column(effect, form.name, own, unit, p.name), c, {p.name: _seen(c, p, reach)} | dict(own)))
     return found
 
 
