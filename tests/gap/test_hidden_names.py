@@ -11,6 +11,9 @@ from test_hidden_laws import drive
 
 from hamr_dynamics.effects.law import Form, Joint, Pair
 from hamr_dynamics.effects.library import find
+from hamr_gap.fitting.scales import scales_of
+from hamr_gap.flagship_find import recorded
+from hamr_gap.legs import machine_of
 from hidden_gap.laws.law import LAWS, TAU
 
 angle = st.floats(-0.5, 0.5)
@@ -38,3 +41,13 @@ def test_a_spring_that_the_voltage_tunes_is_a_force_that_the_angle_does(q, volts
     assert push.force == pytest.approx(torque, rel=1e-12, abs=1e-15)
     assert push.slip == 0.0  # a lever moves its tip besides
     assert LAWS["voltage_spring"].family == "configuration_dependent_transmission"
+
+
+def test_wells_may_be_as_narrow_as_a_snap():
+    """At half of its depth, on a leg under the paper's noise; a hump's potential is a Gaussian of the width that is hidden."""
+    form = find("configuration_dependent_stiffness", "well")
+    (least,) = (p.low for p in form.parameters if p.name == "width")
+    record = recorded("fl", seconds=2.0, noise=1e-3, seed=0)
+    narrowest = np.sqrt(2.0 * np.log(2.0)) * LAWS["snap"].ranges["width"][0]
+    assert least * scales_of(machine_of("simple", "fl"), record).coordinate < narrowest
+    assert LAWS["snap"].family == "configuration_dependent_stiffness"

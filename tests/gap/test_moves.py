@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects.law import Scales
+from hamr_dynamics.effects.library import find
 from hamr_gap.data.readings import fresh
 from hamr_gap.data.record import Record
 from hamr_gap.fitting import threads
@@ -27,6 +28,7 @@ from hamr_gap.naming import single_effects
 from hamr_gap.naming.hypothesis import Start, refine, refined
 from hamr_gap.naming.moves import ALONE, apart, at_both, look, pairs_of, promising, singles
 from hamr_gap.naming.prepare import Prepared, prepare
+from hamr_gap.naming.screen import Column, Screen
 from hamr_gap.naming.simpler import as_narrow, in_its_place, narrowed, special_cases, without
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
@@ -181,6 +183,19 @@ def test_limits_between_those_that_were_seen_are_where_starts_look_for_them():
     for k in [k for k, column in enumerate(seen.columns) if column.row.endswith(tuple(limits))]:
         sizes = [seen.size_of(k, share) for share in np.linspace(0.0, 1.0, 6)]
         assert sizes[-1] == seen.columns[k].size and (np.diff(sizes) > 0.0).all()
+
+
+def test_a_threshold_is_where_the_line_through_the_first_responses_meets_zero():
+    """Of sizes of which the first two do nothing; one without a threshold does as much as it is large, and a dip counts as level."""
+    (limit,), (square,) = (find(*name).sizes for name in (("drive_saturation", "hard"), ("quadratic_damping", "square")))
+    sizes, rms = (0.4, 0.45, 0.5, 0.56), np.array([0.0, 0.0, 1.0, 7.0, 3.0])
+    columns = [*(Column("limit", limit, size, ()) for size in sizes), Column("square", square, 0.2, ())]
+    seen = Screen(columns, 0, {}, (np.diag(rms**2), None, 0.0), np.zeros(5))
+    assert [seen.size_of(2, share) for share in (0.0, 0.5, 1.0, 4.0)] == pytest.approx([0.49, 0.495, 0.5, 0.53])
+    assert seen.size_of(3, 1 / 7) == pytest.approx(0.5)
+    assert seen.size_of(4, 0.5) == 0.1
+    dipping = Screen(columns, 0, {}, (np.diag(np.square([3.0, 5.0, 4.0, 6.0, 3.0])), None, 0.0), np.zeros(5))
+    assert dipping.size_of(2, 0.9) == pytest.approx(0.43)
 
 
 BESIDE = (Candidate("quadratic_damping", "square", (1,)), Candidate("drive_lag", "first_order", (1,)))

@@ -54,4 +54,4 @@ def test_a_limit_that_only_the_peaks_of_a_drive_pass_is_seen(tmp_path):
     for form in ("hard", "sides"):
         c = Candidate("drive_saturation", form, "all")
         (values,) = (s.values for s in seen.singles() if s.effects == (c,))
-        assert [1.0 / (x * c.scale(c.law.sizes[0])) for x in values.values()] == pytest.approx([limit] * len(values), rel=0.05)
+        assert [1.0 / (values[c.row(p)] * c.scale(p)) for p in c.law.sizes] == pytest.approx([limit] * len(c.law.sizes), rel=0.05)

@@ -225,3 +225,12 @@ def test_responses_are_chords_inside_what_a_size_may_be():
     assert all(p.low < value < p.high for value, _, p in sizes)
     assert all(value >= p.typical for value, _, p in sizes if not p.screen)
     assert all(0.8 * reach < 1.0 / (value * c.scale(p)) < reach for value, c, p in sizes if p.screen)
+
+
+def test_a_limit_begins_as_far_beyond_the_drive_as_its_share_of_the_response_or_is_off():
+    seen, c = object.__new__(screen.Screen), Candidate("drive_saturation", "hard", "all")
+    seen._reach, (p,) = 70.0, c.law.sizes
+    whole = screen._seen(c, p, seen._reach)
+    limits = [1.0 / (c.scale(p) * seen._begun(c, p, share * whole)) for share in (0.1, 0.5, 1.0)]
+    assert limits == pytest.approx([70.0 / (1.0 + 0.1 * share) for share in (0.1, 0.5, 1.0)])
+    assert [seen._begun(c, p, share * whole) for share in (0.0, 0.04)] == [0.0, 0.0]

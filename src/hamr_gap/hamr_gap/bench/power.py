@@ -120,7 +120,7 @@ def main(listings: tyro.conf.Positional[tuple[Path, ...]], picture: Path | None 
         say(f"\nlog odds per factor e in {name}: {x:.2f} +- {sd:.2f}")
     say("\n")
     if picture:
-        power_plot.drawn(cases, found, lengths).savefig(picture)
+        power_plot.drawn(cases, found.needed, lengths).savefig(picture)
 
 
 if __name__ == "__main__":

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib import rc_context
@@ -11,36 +10,31 @@ from matplotlib.figure import Figure
 
 from ..showing.plots import STYLE
 
-COLOURS = ("#e07b00", "#0064b4", "#8a4fbf", "#3a8f3a")
 APART = 0.26  # of a row, between lengths of record
 
 
-class Curves(Protocol):
-    """What is drawn of `power.Power`."""
-
-    families: tuple[str, ...]
-
-    def needed(self, family: str, seconds: float) -> tuple[float, float, float]: ...
-
-
-def drawn(cases: Sequence[tuple[str, float, float, float, bool]], found: Curves, lengths: Sequence[float]) -> Figure:
+def drawn(
+    cases: Sequence[tuple[str, float, float, float, bool]], needed: Callable[[str, float], tuple[float, float, float]],
+    lengths: Sequence[float],
+) -> Figure:  # fmt: skip
     """Strength in floors along the axis, effects below each other, the weakest that are named first.
 
     A bar is the strength that is named 9 times in 10 with its 95 % interval, a dot a case: full where it was named, hollow where not.
     Bars end at the edges of the picture, beyond which nothing was tried.
 
     Args:
-        cases: as `power.power` takes them. found: its curves. lengths: of records, s.
+        cases: as `power.power` takes them. needed: `power.Power.needed` of them. lengths: of records, s.
     """
     strengths = [case[1] for case in cases]
     edges = min(strengths) / 1.3, max(strengths) * 1.3
-    order = sorted(found.families, key=lambda family: -found.needed(family, lengths[-1])[0])
+    order = sorted({family for family, *_ in cases}, key=lambda family: (-needed(family, lengths[-1])[0], family))
     with rc_context(STYLE):
         figure = Figure((7.4, 0.9 + 0.33 * len(order)), layout="constrained")
         axes = figure.subplots()
-        for k, (seconds, colour) in enumerate(zip(lengths, COLOURS, strict=False)):
+        for k, seconds in enumerate(lengths):
+            colour = f"C{k}"
             up = APART * (k - 0.5 * (len(lengths) - 1))
-            at, low, high = np.array([np.clip(found.needed(family, seconds), *edges) for family in order]).T
+            at, low, high = np.array([np.clip(needed(family, seconds), *edges) for family in order]).T
             rows = np.arange(len(order)) + up
             axes.hlines(rows, low, high, color=colour, lw=3.5, alpha=0.3)
             axes.plot(at, rows, "|", color=colour, ms=9, mew=2, label=f"{seconds:g} s of data")

@@ -13,6 +13,7 @@ from hamr_dynamics.effects.law import Form, Parameter
 from hamr_dynamics.effects.library import find
 
 from ..fitting.parameters import Free
+from ..naming.hypothesis import SEEN
 from .candidates import PLACES, UNITS, Shapes, kind, shapes_of, units
 from .eliminate import Eliminated, bounded
 from .fit import Fit, columns, weights
@@ -21,7 +22,7 @@ from .setting import Candidate, Setting, setting
 
 LARGE = 3.0  # typical sizes, at which responses are taken: contacts bend them, and chords order names and places as tangents do not
 BATCH = 24  # models simulated at once
-PASSED, SEEN = 1.1, 0.05  # of the largest drive, over a limit that is tried; share of its response, below which it is off
+PASSED = 1.1  # of the largest drive, over a limit at which a response is taken
 NEUTRAL = value("actuator.neutral_voltage")
 WIDE = 30.0  # of typical sizes: the prior of a size
 
