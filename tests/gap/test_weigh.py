@@ -107,6 +107,14 @@ def test_a_second_effect_that_takes_little_away_may_be_anything():
     assert first(large) == "coulomb_friction__drive_lag" and first(small) == "coulomb_friction"
 
 
+def test_a_name_that_takes_next_to_nothing_away_is_no_answer_where_two_take_most():
+    """However little it costs, and the two much: one of them holds simpler laws."""
+    dear = {"configuration_dependent_stiffness__drive_lag": 8}
+    found = weights(numbers=dear, drive_lag=0.995, configuration_dependent_stiffness__drive_lag=0.09)
+    assert first(found) == "configuration_dependent_stiffness__drive_lag"
+    assert found["drive_lag"] < 0.05
+
+
 def test_a_name_must_leave_less_throughout_than_its_special_case():
     assert "stribeck_friction" not in weights(coulomb_friction=0.01, stribeck_friction=0.01)
     assert weights(coulomb_friction=0.01, stribeck_friction=0.0001)["stribeck_friction"] > 0.9
