@@ -49,17 +49,17 @@ def test_spread_between_laws_widens_an_interval_over_cases_of_them():
 
 
 def test_listings_are_pooled():
-    listing = read(DOCS / "gap_bench_seventh.csv")
+    listing = read(DOCS / "gap_bench/seventh.csv")
     rows = dict(pooled(listing))
     assert rows["singles: exact"].startswith("100 % (") and rows["singles: exact"].endswith("n = 14)")
     assert "triples: exact" not in rows
-    both = dict(pooled([*listing, *read(DOCS / "gap_bench_sixth.csv")]))
+    both = dict(pooled([*listing, *read(DOCS / "gap_bench/sixth.csv")]))
     assert both["singles: exact"].startswith("88 % (") and both["singles: exact"].endswith("n = 34)")  # 14 and 16 of 14 and 20
 
 
 def test_a_law_may_be_left_out(capsys):
     for but, count in (((), 19), (("snap", "three_waves"), 17)):
-        main((DOCS / "gap_bench_tenth.csv",), but)
+        main((DOCS / "gap_bench/tenth.csv",), but)
         (line,) = (line for line in capsys.readouterr().out.splitlines() if "called unknown" in line and "outside" in line)
         assert line.endswith(f"n = {count}) |")
 
@@ -72,4 +72,4 @@ def test_what_is_no_listing_is_refused(tmp_path):
 
 def test_a_listing_without_what_is_needed_says_how_to_get_it():
     with pytest.raises(ConfigError, match="does not say strength, recorded_s, noise; the same `hamr gap bench` writes it anew"):
-        read(DOCS / "gap_bench_seventh.csv", DATA)
+        read(DOCS / "gap_bench/seventh.csv", DATA)

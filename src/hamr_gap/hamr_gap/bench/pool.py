@@ -1,4 +1,4 @@
-"""One table from several listings of the benchmark: python -m hamr_gap.bench.pool docs/gap_bench_*.csv
+"""One table from several listings of the benchmark: python -m hamr_gap.bench.pool docs/gap_bench/*th.csv
 
 Each set was drawn and solved once with the code that was there then, so the pool says how the workflow did on cases that it had not seen.
 """
