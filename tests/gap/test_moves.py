@@ -109,6 +109,13 @@ def test_of_several_effects_each_is_tried_in_its_other_forms(rubbing):
     assert special_cases(rubbing.weighed, rubbing.judged, fitted(rubbing, FRICTION)) == []
 
 
+def test_a_simpler_name_that_stands_at_the_other_joint_already_stands_at_both(rubbing):
+    sets = [h.effects for h in special_cases(rubbing.weighed, rubbing.judged, fitted(
+        rubbing, replace(FRICTION, form="sign"), Candidate("stribeck_friction", "lugre", (1,))))]  # fmt: skip
+    assert (Candidate("coulomb_friction", "sign", (0, 1)),) in sets
+    assert all(len({c.effect for c in effects}) == len(effects) for effects in sets)
+
+
 def test_what_is_better_in_its_place_is_looked_at_in_turn():
     """Creep can be taken for a relaxing spring, and that for structural damping."""
     lossy = prepare(machine_of("simple", "fl"), shaken("structural_damping.ladder", {"loss.0": 0.02, "time.0": 3.0}))
@@ -289,11 +296,18 @@ def test_results_do_not_depend_on_the_number_of_threads(rubbing, monkeypatch):
 
 
 def test_no_name_stands_beside_its_own_special_case():
-    cubic, wide = Candidate("cubic_stiffness", "cubic", (0,)), Candidate("configuration_dependent_stiffness", "well", (1,))
+    cubic, wide = Candidate("cubic_stiffness", "cubic", (0,)), Candidate("configuration_dependent_stiffness", "well", (0,))
     assert not apart(cubic, wide)
     assert not apart(wide, cubic)
     assert not apart(cubic, Candidate("cubic_stiffness", "mixed", (1,)))
     assert apart(cubic, FRICTION)
+
+
+def test_at_another_joint_or_where_it_couples_what_the_other_does_not_a_simpler_name_is_no_special_case():
+    cubic, coupling = Candidate("cubic_stiffness", "cubic", (0,)), Candidate("lift_swing_coupling", "damping", (0, 1))
+    for form, joints, beside in (("well", (1,), (cubic, coupling)), ("well", (0, 1), (coupling,)), ("potential", (0, 1), ())):
+        wide = Candidate("configuration_dependent_stiffness", form, joints)
+        assert all(apart(c, wide) == apart(wide, c) == (c in beside) for c in (cubic, coupling))
 
 
 def test_a_shift_of_the_clocks_in_the_model_is_that_of_its_sensors(rubbing):

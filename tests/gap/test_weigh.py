@@ -123,6 +123,13 @@ def test_a_name_must_leave_less_throughout_than_its_special_case():
     assert "coulomb_friction__drive_lag" in beside and "stribeck_friction__drive_lag" not in beside
 
 
+def test_a_name_at_both_joints_must_leave_less_throughout_than_its_special_case_at_one_beside_itself_at_the_other():
+    beside = "coulomb_friction__stribeck_friction_1"
+    found = weights(coulomb_friction=0.3, stribeck_friction_01=0.01, **{beside: 0.01})
+    assert beside in found and "stribeck_friction_01" not in found
+    assert first(weights(coulomb_friction=0.3, stribeck_friction_01=0.0001, **{beside: 0.05})) == "stribeck_friction_01"
+
+
 def test_a_name_at_both_joints_must_leave_less_throughout_than_at_one():
     """Also one that couples them and so counts as one place: a spring across both angles may lie along one of them."""
     for name in ("drive_lag", "configuration_dependent_stiffness"):

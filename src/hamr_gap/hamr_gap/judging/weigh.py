@@ -98,9 +98,9 @@ def least_told(gap: float, count: float) -> float:
 
 
 def _special(few: frozenset, names: frozenset) -> bool:
-    """Whether a set of names differs from another by one special case, or the same name, at the same joints or some of them."""
+    """Whether names differ from others in one, of which they have special cases, or the same, at the same joints or some of them."""
     own, others = few - names, names - few
-    return len(own) == len(others) == 1 and within(*own, *others)
+    return len(others) == 1 and bool(own) and all(within(name, *others) for name in own)
 
 
 def within(simple: tuple, wide: tuple) -> bool:

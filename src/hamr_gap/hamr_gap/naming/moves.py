@@ -88,8 +88,13 @@ def pairs_of(
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
-    """Whether two effects may stand beside each other: other names, neither of which has the other as a special case."""
-    return a.effect != b.effect and a.effect not in library()[b.effect].contains and b.effect not in library()[a.effect].contains
+    """Whether two effects may stand beside each other: other names, neither of which has the other as a special case at a joint."""
+    return a.effect != b.effect and not (set(a.joints) & set(b.joints) and (_holds(a, b) or _holds(b, a)))
+
+
+def _holds(wide: Candidate, simple: Candidate) -> bool:
+    """Whether one has the other as a special case; what acts on one joint by itself holds nothing that couples two."""
+    return simple.effect in library()[wide.effect].contains and (wide.law.acts == "pair" or simple.law.acts != "pair")
 
 
 def beside(

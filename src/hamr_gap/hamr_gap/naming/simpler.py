@@ -68,7 +68,8 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
         names = (*(c.effect,) * own, *law.contains, *law.mimics, *(name for name in law.same_as if name in library()))
         forms = ((name, form) for name in names for form in library()[name].forms)
         for simple in (s for name, form in forms for s in _within(c, name, form) if s != c and s in possible):
-            effects = (*h.effects[:i], simple, *h.effects[i + 1 :])
+            if not (effects := _once_each((*h.effects[:i], simple, *h.effects[i + 1 :]))):
+                continue
             there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}
             like = {simple.row(p, place): values.get(_like(c, p, at)) for p in simple.law.parameters for place, at in there.items()}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
@@ -82,6 +83,18 @@ def in_its_place(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hy
     found = special_cases(weighed, judged, h)
     best = min(found, key=lambda s: s.left, default=h)
     return [*found, *in_its_place(weighed, judged, best)] if best.left < h.left else found
+
+
+def _once_each(effects: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Effects of which a form that stands at either joint is one at both; none where that leaves a name twice."""
+    once: dict[str, Candidate] = {}
+    for c in effects:
+        other = once.setdefault(c.effect, c)
+        if other is not c:
+            if other.form != c.form or set(other.joints) & set(c.joints):
+                return ()
+            once[c.effect] = replace(other, joints=tuple(sorted((*other.joints, *c.joints))))
+    return tuple(once.values())
 
 
 def _like(c: Candidate, p: Parameter, place: int) -> str:
