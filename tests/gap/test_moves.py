@@ -116,6 +116,13 @@ def test_a_simpler_name_that_stands_at_the_other_joint_already_stands_at_both(ru
     assert all(len({c.effect for c in effects}) == len(effects) for effects in sets)
 
 
+def test_of_a_name_at_both_joints_a_special_case_may_suffice_at_either(rubbing):
+    cases = special_cases(rubbing.weighed, rubbing.judged, fitted(rubbing, Candidate("stribeck_friction", "lugre", (0, 1))))
+    found = {h.names: h.left for h in cases}
+    where, elsewhere = (frozenset({("stribeck_friction", (j,)), ("coulomb_friction", (1 - j,))}) for j in (0, 1))
+    assert found[where] == pytest.approx(found[elsewhere], rel=0.05)  # Stribeck's is at neither
+
+
 def test_what_is_better_in_its_place_is_looked_at_in_turn():
     """Creep can be taken for a relaxing spring, and that for structural damping."""
     lossy = prepare(machine_of("simple", "fl"), shaken("structural_damping.ladder", {"loss.0": 0.02, "time.0": 3.0}))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
@@ -57,7 +58,8 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
     some sensors.
 
     Of several effects each is fitted in its own other forms too: singles have been, but others were found beside some one form. So is
-    one that couples two joints: it may be a form of its own name at one of them, which a fit from elsewhere has missed.
+    one that couples two joints: it may be a form of its own name at one of them, which a fit from elsewhere has missed. What stands at
+    both joints may be needed at one of them alone, and a special case of it suffice at the other.
     """
     values = dict(zip((f.row for f in h.fit.free), h.fit.x, strict=True))
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
@@ -67,8 +69,11 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
         law = library()[c.effect]
         names = (*(c.effect,) * own, *law.contains, *law.mimics, *(name for name in law.same_as if name in library()))
         forms = ((name, form) for name in names for form in library()[name].forms)
-        for simple in (s for name, form in forms for s in _within(c, name, form) if s != c and s in possible):
-            if not (effects := _once_each((*h.effects[:i], simple, *h.effects[i + 1 :]))):
+        others = [(s,) for name, form in forms for s in _within(c, name, form) if s != c]
+        for some in (*others, *_at_the_other(c)):
+            simple = some[-1]
+            effects = _once_each((*h.effects[:i], *some, *h.effects[i + 1 :]))
+            if not effects or simple not in possible:
                 continue
             there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}
             like = {simple.row(p, place): values.get(_like(c, p, at)) for p in simple.law.parameters for place, at in there.items()}
@@ -110,6 +115,14 @@ def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
     if (form.acts == "pair") == (c.law.acts == "pair"):
         return [Candidate(name, form.name, c.joints)]
     return [Candidate(name, form.name, j) for j in (*((j,) for j in c.joints), c.joints)] if c.law.acts == "pair" else []
+
+
+def _at_the_other(c: Candidate) -> list[tuple[Candidate, Candidate]]:
+    """An effect of two joints at one of them, beside its special cases at the other: in the same form if they have it."""
+    forms = [(name, {f.name: f for f in library()[name].forms}) for name in library()[c.effect].contains]
+    simple = [(name, own.get(c.form) or next(iter(own.values()))) for name, own in forms]
+    kept = [(name, form.name) for name, form in simple if form.acts == c.law.acts]
+    return [(replace(c, joints=(own,)), Candidate(*form, (other,))) for own, other in permutations(c.places, 2) for form in kept]
 
 
 def _less(h: Hypothesis, effects: tuple[Candidate, ...]) -> Start:
