@@ -36,7 +36,7 @@ def weights(spread: float = 0.01, numbers: dict[str, int] | None = None, **left:
 
 
 FORMS = {"coulomb_friction": "sign", "stribeck_friction": "lorentzian", "drive_lag": "first_order", "cubic_stiffness": "cubic",
-         "configuration_dependent_stiffness": "oblique"}  # fmt: skip
+         "configuration_dependent_stiffness": "oblique", "drive_delay": "pade", "drive_drift": "heating"}  # fmt: skip
 
 
 @pytest.mark.parametrize("left", [np.full(24, 0.02), np.r_[np.zeros(18), np.full(6, 0.2)], np.full(24, 3.0)])
@@ -105,6 +105,13 @@ def test_a_second_effect_that_takes_little_away_may_be_anything():
     large = weights(coulomb_friction=0.06, coulomb_friction__drive_lag=0.01)
     small = weights(coulomb_friction=0.006, coulomb_friction__drive_lag=0.001)
     assert first(large) == "coulomb_friction__drive_lag" and first(small) == "coulomb_friction"
+
+
+def test_a_name_that_leaves_most_of_the_gap_is_no_answer_where_two_at_both_joints_leave_next_to_nothing():
+    """Though it costs nothing, and each of the two has a second place."""
+    found = weights(drive_lag=0.4, drive_delay_1=0.7, drive_drift_01__drive_lag_01=0.011)
+    assert found["drive_drift_01__drive_lag_01"] > 0.9
+    assert weights(drive_lag=0.05, drive_drift_01__drive_lag_01=0.011)["drive_lag"] > 0.8  # that one might be
 
 
 def test_a_name_that_takes_next_to_nothing_away_is_no_answer_where_two_take_most():

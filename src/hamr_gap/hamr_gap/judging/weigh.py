@@ -18,7 +18,7 @@ from ..naming.blocks import THROUGHOUT, better
 from ..naming.hypothesis import Hypothesis
 from ..naming.search import Search
 
-SHARPNESS = 3.0  # log odds per factor e in what is left
+SHARPNESS = 3.0  # log odds per factor e in what is left; twice that beyond `UNKNOWN`, where no right name should be
 FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
 FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
@@ -64,15 +64,21 @@ def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
             price += ANOTHER_PLACE * places + FREER * np.log(h.parameters) + CONTAINS * wide
             taken = min(((best[few].left - h.left) / gap for few in best if few < names), default=1.0 - left)
             price += SHARPNESS * max(0.0, np.log(SMALL / max(taken, FORM_ERROR)))
-            found.append((h, left, -SHARPNESS * np.log(left + least) - price))
+            found.append((h, left, _speaks(left, least) - price))
     # a law outside the library competes with the first names by what they leave, whatever their price
     first = max((s for *_, s in found), default=0.0)
     left = max(min((left for _, left, s in found if s >= first - CONTAINS), default=UNKNOWN) - nothing / gap, 0.0)
-    found.append((None, UNKNOWN, first + SHARPNESS * np.log((left + least) / (UNKNOWN + least))))
+    found.append((None, UNKNOWN, first + _speaks(UNKNOWN, least) - _speaks(left, least)))
     score = np.array([s for *_, s in found])
     p = np.exp(score - score.max())
     p /= p.sum()
     return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
+
+
+def _speaks(left: float, least: float) -> float:
+    """Log odds for a name that leaves a share of the gap, of which `least` is told."""
+    beyond = max(0.0, np.log((left + least) / (UNKNOWN + least)))
+    return -SHARPNESS * (np.log(left + least) + beyond)
 
 
 def floor_of(noise: float, best: Iterable[Hypothesis]) -> float:
