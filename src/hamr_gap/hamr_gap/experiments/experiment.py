@@ -14,7 +14,7 @@ from itertools import permutations
 
 import numpy as np
 
-from ..judging.weigh import COVERAGE, FLOOR_ERROR, SHARPNESS, least_told
+from ..judging.weigh import COVERAGE, FLOOR_ERROR, least_told, log_odds
 from ..naming.blocks import THROUGHOUT
 from ..naming.hypothesis import Hypothesis
 from ..naming.prepare import Prepared
@@ -186,7 +186,7 @@ class _Choice:
         if surely and apart.throughout < SURELY:
             rival = max(0.0, rival - FLOOR_ERROR)
         least = least_told(gap, self._prepared.judged.sum() / (1.0 - share))
-        return float(SHARPNESS * np.log(((law + rival) / gap + least) / (law / gap + least)))
+        return float(log_odds(law / gap, least) - log_odds((law + rival) / gap, least))
 
     def _new(self, seconds: float) -> float:
         """Share of a run of some seconds in all that is measured then."""

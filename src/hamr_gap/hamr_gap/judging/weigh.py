@@ -64,19 +64,19 @@ def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
             price += ANOTHER_PLACE * places + FREER * np.log(h.parameters) + CONTAINS * wide
             taken = min(((best[few].left - h.left) / gap for few in best if few < names), default=1.0 - left)
             price += SHARPNESS * max(0.0, np.log(SMALL / max(taken, FORM_ERROR)))
-            found.append((h, left, _speaks(left, least) - price))
+            found.append((h, left, log_odds(left, least) - price))
     # a law outside the library competes with the first names by what they leave, whatever their price
     first = max((s for *_, s in found), default=0.0)
     left = max(min((left for _, left, s in found if s >= first - CONTAINS), default=UNKNOWN) - nothing / gap, 0.0)
-    found.append((None, UNKNOWN, first + _speaks(UNKNOWN, least) - _speaks(left, least)))
+    found.append((None, UNKNOWN, first + log_odds(UNKNOWN, least) - log_odds(left, least)))
     score = np.array([s for *_, s in found])
     p = np.exp(score - score.max())
     p /= p.sum()
     return sorted((Weight(h, left, float(x)) for (h, left, _), x in zip(found, p, strict=True)), key=lambda w: -w.probability)
 
 
-def _speaks(left: float, least: float) -> float:
-    """Log odds for a name that leaves a share of the gap, of which `least` is told."""
+def log_odds(left: float, least: float) -> float:
+    """For a name that leaves a share of the gap, whatever it costs; less than `least` tells nothing."""
     beyond = max(0.0, np.log((left + least) / (UNKNOWN + least)))
     return -SHARPNESS * (np.log(left + least) + beyond)
 
