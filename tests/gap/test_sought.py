@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from oscillator import MACHINE, STEP, oscillator
 from scipy.signal import lfilter
-from test_moves import FRICTION, fitted, shaken
+from shaken_leg import FRICTION, fitted, shaken
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from hamr_dynamics.effects.library import library
@@ -70,9 +70,8 @@ def test_nothing_is_led_beside_what_explains_the_record(sticking, monkeypatch):
         sought(*about)
 
 
-def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(monkeypatch):
+def test_where_short_pieces_lead_the_first_nowhere_the_rest_is_not_led(rubbing, monkeypatch):
     """Damping at one joint or the other: neither explains the friction, and both costs are smooth."""
-    rubbing = prepare(machine_of("simple", "fl"), shaken("coulomb_friction.presliding", {"level.0": 4e-3, "distance.0": 0.005}))
     starts = [bold(rubbing, Candidate("quadratic_damping", "square", (joint,))) for joint in (0, 1)]
     led = []
     monkeypatch.setattr("hamr_gap.naming.sought.fit", lambda weighed, *more, **how: (led.append(weighed), fit(weighed, *more, **how))[1])
