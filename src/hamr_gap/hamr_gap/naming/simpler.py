@@ -65,18 +65,12 @@ def special_cases(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[H
     retuned = [f for f in h.fit.free if f.row.startswith("change.")]
     wanted, possible = [], set(candidates(weighed.model.machine, weighed.model.record))
     for i, c in enumerate(h.effects):
-        own = len(h.effects) > 1 or c.law.acts == "pair"
-        law = library()[c.effect]
-        names = (*(c.effect,) * own, *law.contains, *law.mimics, *(name for name in law.same_as if name in library()))
-        forms = ((name, form) for name in names for form in library()[name].forms)
-        others = [(s,) for name, form in forms for s in _within(c, name, form) if s != c]
-        for some in (*others, *_at_the_other(c)):
-            simple = some[-1]
+        for some in _in_place_of(c, alone=len(h.effects) == 1):
             effects = _once_each((*h.effects[:i], *some, *h.effects[i + 1 :]))
-            if not effects or simple not in possible:
+            if not effects or not possible.issuperset(some):
                 continue
-            there = {place: c.places[0] if c.law.acts == "pair" else place for place in simple.places}
-            like = {simple.row(p, place): values.get(_like(c, p, at)) for p in simple.law.parameters for place, at in there.items()}
+            places = {(s, place): c.places[0] if c.law.acts == "pair" else place for s in some for place in s.places}
+            like = {s.row(p, place): values.get(_like(c, p, at)) for (s, place), at in places.items() for p in s.law.parameters}
             free = (*retuned, *effect_parameters(effects, weighed.model.scales))
             x = np.array([values.get(f.row, like.get(f.row) or f.center or LITTLE * f.sd) for f in free])
             wanted.append(Start(effects, free, x, np.inf))
@@ -88,6 +82,15 @@ def in_its_place(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hy
     found = special_cases(weighed, judged, h)
     best = min(found, key=lambda s: s.left, default=h)
     return [*found, *in_its_place(weighed, judged, best)] if best.left < h.left else found
+
+
+def _in_place_of(c: Candidate, *, alone: bool) -> list[tuple[Candidate, ...]]:
+    """What may stand in the place of an effect, `alone` or one of several."""
+    law = library()[c.effect]
+    own = not alone or c.law.acts == "pair"
+    names = (*(c.effect,) * own, *law.contains, *law.mimics, *(name for name in law.same_as if name in library()))
+    others = [(s,) for name in names for form in library()[name].forms for s in _within(c, name, form) if s != c]
+    return [*others, *_at_the_other(c)]
 
 
 def _once_each(effects: Sequence[Candidate]) -> tuple[Candidate, ...]:
@@ -119,10 +122,13 @@ def _within(c: Candidate, name: str, form: Form) -> list[Candidate]:
 
 def _at_the_other(c: Candidate) -> list[tuple[Candidate, Candidate]]:
     """An effect of two joints at one of them, beside its special cases at the other: in the same form if they have it."""
-    forms = [(name, {f.name: f for f in library()[name].forms}) for name in library()[c.effect].contains]
-    simple = [(name, own.get(c.form) or next(iter(own.values()))) for name, own in forms]
-    kept = [(name, form.name) for name, form in simple if form.acts == c.law.acts]
-    return [(replace(c, joints=(own,)), Candidate(*form, (other,))) for own, other in permutations(c.places, 2) for form in kept]
+    found = []
+    for name in library()[c.effect].contains:
+        forms = library()[name].forms
+        form = next((f for f in forms if f.name == c.form), forms[0])
+        if form.acts == c.law.acts:
+            found += [(replace(c, joints=(own,)), Candidate(name, form.name, (other,))) for own, other in permutations(c.places, 2)]
+    return found
 
 
 def _less(h: Hypothesis, effects: tuple[Candidate, ...]) -> Start:
