@@ -23,7 +23,7 @@ FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
 FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
-SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything, alone or beside others
+SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 FREER = 0.3  # log odds against a factor e in the number of sizes and shapes: they are judged where they were not fitted
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
@@ -62,7 +62,7 @@ def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
             wide = sum(bool(library()[c.effect].contains) for c in h.effects)
             price = ANOTHER_EFFECT * (len(h.effects) > 1) + ONE_MORE * max(len(h.effects) - 2, 0)
             price += ANOTHER_PLACE * places + FREER * np.log(h.parameters) + CONTAINS * wide
-            taken = min(((best[few].left - h.left) / gap for few in best if few < names), default=1.0 - left)
+            taken = min(((best[few].left - h.left) / gap for few in best if few < names), default=1.0)
             price += SHARPNESS * max(0.0, np.log(SMALL / max(taken, FORM_ERROR)))
             found.append((h, left, log_odds(left, least) - price))
     # a law outside the library competes with the first names by what they leave, whatever their price
