@@ -13,6 +13,7 @@ from hamr_gap.naming.hypothesis import Start, refine
 from hamr_gap.naming.prepare import Prepared
 
 STEP, SECONDS = 0.25, 5.0  # ms, s
+NOISE = 1e-3  # of the travel of each sensor
 FRICTION = Candidate("coulomb_friction", "presliding", (0,))
 BESIDE = (Candidate("quadratic_damping", "square", (1,)), Candidate("drive_lag", "first_order", (1,)))
 
@@ -28,7 +29,7 @@ def shaken(law: str, rows: dict[str, float], volts: tuple[float, float] = (9.0, 
     for name, x in rows.items():
         row[leg.parameter_rows.index(f"{law}.{name}")] = x
     truth = machine_kernel.simulate(leg, np.repeat(drives, 5, axis=0), row[None], step=STEP / 5, substeps=1)[0][::5]
-    readings = truth + 1e-3 * np.ptp(truth, axis=0) * random.standard_normal(truth.shape)
+    readings = truth + NOISE * np.ptp(truth, axis=0) * random.standard_normal(truth.shape)
     return Record(drives, readings, STEP, leg.channels)
 
 

@@ -13,6 +13,7 @@ from .model import Model
 from .pieces import telling
 from .sensors import Sensors, late, slope
 
+SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
 INDEPENDENT = 100  # readings, as which those count that show a wrong model
 GAIN_SD = 0.01  # of a sensor's scale, which calibration leaves uncertain by a per cent
 
@@ -36,6 +37,11 @@ class Weighed:
     coarse: Model | None = None
     numerical: float = 0.0
     initial: InitialStates | None = None
+
+    @property
+    def least(self) -> float:
+        """Mean square, in units of a reading's noise, below which a gap is none: a quarter of a sample's noise, or half its error."""
+        return self.model.mean * max(SMALLEST, 0.5 * self.numerical) ** 2
 
     @cached_property
     def until(self) -> int:

@@ -30,7 +30,6 @@ from .where import where
 SIGNIFICANT = 4.5  # t over blocks on the readings that selected, with many names tried
 CONFIRMED = 2.0  # t over blocks on readings that nothing has seen
 SURE = 2.0  # times as much as is significant, is sure without as much on readings that nothing has seen, which may be few
-SMALLEST = 0.25  # rms in noise of a sample: a gap below it is none, whatever its significance
 SHARE = 0.25  # of a gap, that the best of all names must explain, or the gap has another cause
 NOT_REFUTED = 0.975  # of probability, that answers hold which other machines built alike may speak for
 SELDOM = 2.0  # how many times surer a likelihood ratio must be, which trusts its noise, than t over blocks, which does not
@@ -71,7 +70,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
         BagError: the record cannot be used; one sentence.
     """
     prepared, state = searched(machine, record, report)
-    least = prepared.weighed.model.mean * max(SMALLEST, 0.5 * prepared.weighed.numerical) ** 2
+    least = prepared.weighed.least
     weights = weigh(state, least)
     evidence = _evidence(prepared, state)
     explained = prepared.base.left - state.best.left
@@ -128,7 +127,7 @@ def _state(
 ) -> Verdict:  # fmt: skip
     model = prepared.weighed.model
     machine, record = model.machine, model.record
-    least = 0.5 * model.mean * SMALLEST**2 * float(prepared.weighed.chosen.sum())
+    least = 0.5 * prepared.weighed.least * float(prepared.weighed.chosen.sum())
     answers = tuple(answer_of(state, w, said.get(w.hypothesis)) for w in chosen)
     silent = {name: why for name in library() if (why := missing(name, machine, record)) and why != "it is no name"}
     return Verdict(

@@ -16,11 +16,10 @@ from hamr_dynamics.effects.library import library
 
 from ..naming.blocks import THROUGHOUT, better
 from ..naming.hypothesis import Hypothesis
-from ..naming.search import Search
+from ..naming.search import FLOOR_ERROR, Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left; twice that beyond `UNKNOWN`, where no right name should be
 FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
-FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
 SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fitting.parameters import Free
-from ..judging.analyse import SMALLEST
+from ..fitting.weighed import SMALLEST
 from ..naming.hypothesis import Hypothesis
 from .fit import SETTLED, Fit, fit, kept, limited
 from .followed import followable
