@@ -1,4 +1,4 @@
-"""The search as a whole: what is worth searching for."""
+"""What is worth searching for, and what is said where nothing is."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from shaken_leg import BESIDE, FRICTION, NOISE, shaken
 
 from hamr_gap.data.record import Record
 from hamr_gap.fitting.weighed import SMALLEST
+from hamr_gap.judging.analyse import SIGNIFICANT, analyse
 from hamr_gap.legs import machine_of
 from hamr_gap.naming import search
+from hamr_gap.naming.blocks import better
+from hamr_gap.naming.hypothesis import left_of
 from hamr_gap.naming.prepare import prepare
 from hamr_gap.naming.search import noise_floor
 
@@ -54,3 +57,13 @@ def test_steps_of_a_sensor_that_look_like_noise_are_searched(plain, monkeypatch)
     state = searched(replace(plain, readings=readings), monkeypatch)
     assert state.base.left - noise_floor(state.weighed, state.base) < state.weighed.least
     assert ("sensor_quantisation", (0,)) in state.best.names
+
+
+@pytest.mark.parametrize("share, verdict", [(0.5, "no_significant_gap"), (2.0, "parameters_only")])
+def test_parameters_close_a_gap_only_where_there_is_one(plain, share, verdict):
+    """Every sensor is off, for sure, by a share of the least that counts as a gap."""
+    bias = np.sqrt(share) * SMALLEST * NOISE * np.ptp(plain.readings, axis=0)
+    found = analyse(LEG, replace(plain, readings=plain.readings + bias))
+    plainly = left_of(found.prepared.weighed, found.prepared.judged, found.prepared.weighed.model.plain)[1]
+    assert better(plainly, found.prepared.base.blocks) > SIGNIFICANT
+    assert found.verdict.verdict == verdict

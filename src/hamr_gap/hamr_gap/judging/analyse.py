@@ -118,8 +118,10 @@ def _evidence(prepared: Prepared, state: Search) -> tuple[float, float]:
 
 
 def _nothing(prepared: Prepared) -> str:
-    _, blocks = left_of(prepared.weighed, prepared.judged, prepared.weighed.model.plain)
-    return "parameters_only" if better(blocks, prepared.base.blocks) > SIGNIFICANT else "no_significant_gap"
+    """Whether the re-tune closes what is a gap by itself, or there was none."""
+    left, blocks = left_of(prepared.weighed, prepared.judged, prepared.weighed.model.plain)
+    tuned = left - prepared.base.left > prepared.weighed.least and better(blocks, prepared.base.blocks) > SIGNIFICANT
+    return "parameters_only" if tuned else "no_significant_gap"
 
 
 def _state(
