@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import combinations
 
 from hamr_dynamics.effects.library import library
@@ -25,6 +26,15 @@ def candidates(machine: Machine, record: Record) -> list[Candidate]:
         places = [tuple(joints)] if form.acts == "pair" else {"drive": driven, "sense": read}.get(form.acts, sets)
         found += [Candidate(name, form.name, s) for s in places]
     return found
+
+
+def of_one_size(everything: Iterable[Candidate]) -> list[Candidate]:
+    """Of each effect at its joints, and between them, the first form that has one size: it says how large an effect would have shown."""
+    first: dict[tuple, Candidate] = {}
+    for c in everything:
+        if len(c.law.sizes) == 1:
+            first.setdefault((c.name, c.law.acts == "pair"), c)
+    return list(first.values())
 
 
 def missing(effect: str, machine: Machine, record: Record) -> str:

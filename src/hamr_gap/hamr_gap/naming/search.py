@@ -30,8 +30,8 @@ LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
 LATE = 0.1  # of a reading's step: what an effect moves the clocks' shift by, before all is simulated with the new one
 CLEAR = 12.0  # a gap that matters leaves more than this, in squared units of noise summed over all readings
-FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
+FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 
 
 @dataclass
@@ -109,9 +109,7 @@ def search(
     everything = candidates(weighed.model.machine, weighed.model.record)
     report("screen")
     seen = look(weighed, base.fit, everything)
-    state = Search(weighed, base, seen, int(judged.sum()), floor=noise_floor(weighed, base))
-    if base.left - (1.0 - FLOOR_ERROR) * min(state.floor, white_floor(weighed)) < weighed.least and not staircases(weighed, judged, base):
-        return state  # whatever is missing, the gap is none
+    state = Search(weighed, base, seen, int(judged.sum()))
     report("singles")
     alone, wanted = single_starts(weighed, judged, base, seen, everything)
     state.tried = sought(weighed, judged, [*wanted, *known])
@@ -179,11 +177,6 @@ def with_steps(weighed: Weighed, judged: np.ndarray, state: Search, report: Call
     left, stairs = min(((with_stairs(weighed, judged, h, s).left, s) for h, s in seen), key=lambda found: found[0])
     if left < state.best.left:
         state.tried = [with_stairs(weighed, judged, h, stairs) for h in (state.base, *state.by_names().values())]
-
-
-def white_floor(weighed: Weighed) -> float:
-    """Mean square that the readings' own noise leaves, and the simulation's error: what is missing may look like noise beside a model."""
-    return 1.0 + weighed.model.mean * weighed.numerical**2
 
 
 def noise_floor(weighed: Weighed, best: Hypothesis) -> float:

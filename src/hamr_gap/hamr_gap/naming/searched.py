@@ -1,9 +1,12 @@
-"""A record prepared and searched: in short runs where the re-tuned model's free ones go astray, unless what is found there mends these,
-and with the drive between its samples as the re-tuned model has it, unless what is found there speaks for the other way."""
+"""A record prepared and, where it leaves a gap, searched.
+
+In short runs where the re-tuned model's free ones go astray, unless what is found there mends these, and with the drive between its
+samples as the re-tuned model has it, unless what is found there speaks for the other way.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +16,12 @@ from hamr_dynamics.machine import Machine
 
 from ..data.record import Record
 from .blocks import THROUGHOUT, better
+from .candidates import candidates, of_one_size
 from .hypothesis import Hypothesis, Start, left_of, refined
+from .moves import look
 from .prepare import Prepared, prepare
-from .search import Search, search
+from .search import FLOOR_ERROR, Search, noise_floor, search
+from .sensor_steps import staircases
 
 
 def searched(machine: Machine, record: Record, report: Callable[[str], None]) -> tuple[Prepared, Search]:
@@ -28,14 +34,27 @@ def searched(machine: Machine, record: Record, report: Callable[[str], None]) ->
     """
     report("re-tune")
     prepared, whole = prepare(machine, record), False
-    state = search(prepared.weighed, prepared.judged, prepared.base, report)
+    state = gap_searched(prepared, report)
     if prepared.shortened and (mended := _mended(machine, record, prepared, state)):
         (prepared, known), whole = mended, True
-        state = search(prepared.weighed, prepared.judged, prepared.base, report, known=known)
+        state = gap_searched(prepared, report, known)
     if state.best.effects and (mended := _otherwise(machine, record, prepared, state, whole=whole)):
         prepared, known = mended
-        state = search(prepared.weighed, prepared.judged, prepared.base, report, known=known)
+        state = gap_searched(prepared, report, known)
     return replace(prepared, base=state.base, weighed=state.weighed), state
+
+
+def gap_searched(prepared: Prepared, report: Callable[[str], None], known: Sequence[Start] = ()) -> Search:
+    """What could be missing; nothing is tried where the re-tune leaves no gap. Of noise it has as little as the readings themselves or
+    what is left of them say, so that no gap passes for noise; steps of a sensor do, and are looked for."""
+    weighed, judged, base = prepared.weighed, prepared.judged, prepared.base
+    floor = noise_floor(weighed, base)
+    noise = (1.0 - FLOOR_ERROR) * min(floor, 1.0 + weighed.model.mean * weighed.numerical**2)
+    if base.left - noise > weighed.least or staircases(weighed, judged, base):
+        return search(weighed, judged, base, report, known=known)
+    report("screen")
+    seen = look(weighed, base.fit, of_one_size(candidates(weighed.model.machine, weighed.model.record)))
+    return Search(weighed, base, seen, int(judged.sum()), floor=floor)
 
 
 def _mended(machine: Machine, record: Record, short: Prepared, state: Search) -> tuple[Prepared, list[Start]] | None:

@@ -9,14 +9,19 @@ import pytest
 from shaken_leg import BESIDE, FRICTION, NOISE, shaken
 
 from hamr_gap.data.record import Record
+from hamr_gap.fitting.scales import scales_of
 from hamr_gap.fitting.weighed import SMALLEST
 from hamr_gap.judging.analyse import SIGNIFICANT, analyse
+from hamr_gap.judging.detect import detectable
 from hamr_gap.legs import machine_of
 from hamr_gap.naming import search
 from hamr_gap.naming.blocks import better
+from hamr_gap.naming.candidates import candidates, of_one_size
 from hamr_gap.naming.hypothesis import left_of
+from hamr_gap.naming.moves import look
 from hamr_gap.naming.prepare import prepare
-from hamr_gap.naming.search import noise_floor
+from hamr_gap.naming.search import Search, noise_floor
+from hamr_gap.naming.searched import gap_searched
 
 LEG = machine_of("simple", "fl")
 
@@ -27,11 +32,10 @@ def plain() -> Record:
     return shaken("coulomb_friction.presliding", {})
 
 
-def searched(record: Record, monkeypatch) -> search.Search:
+def searched(record: Record, monkeypatch) -> Search:
     """With three names only."""
     monkeypatch.setattr(search, "candidates", lambda *_: [FRICTION, *BESIDE])
-    prepared = prepare(LEG, record)
-    return search.search(prepared.weighed, prepared.judged, prepared.base)
+    return gap_searched(prepare(LEG, record), lambda _: None)
 
 
 def test_where_no_gap_is_left_no_name_is_tried(plain, monkeypatch):
@@ -39,6 +43,16 @@ def test_where_no_gap_is_left_no_name_is_tried(plain, monkeypatch):
     assert not state.tried
     assert state.best is state.base
     assert state.base.left - state.floor < state.weighed.least
+
+
+def test_what_a_record_without_a_gap_would_have_shown_needs_few_forms(plain):
+    """As sizes of all forms say it."""
+    prepared = prepare(LEG, plain)
+    everything = candidates(LEG, plain)
+    whole, few = (look(prepared.weighed, prepared.base.fit, some) for some in (everything, of_one_size(everything)))
+    assert len(few.columns) < 0.3 * len(whole.columns)
+    least = 0.5 * prepared.weighed.least * prepared.weighed.chosen.sum()
+    assert detectable(LEG, scales_of(LEG, plain), few, least=least) == detectable(LEG, scales_of(LEG, plain), whole, least=least)
 
 
 @pytest.mark.parametrize("share, tried", [(0.5, False), (1.5, True)])
