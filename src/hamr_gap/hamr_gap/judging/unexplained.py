@@ -15,6 +15,7 @@ from ..naming.hypothesis import blocks_of, left_of, residual
 
 SHARED = 1.0  # rms in noise of a sample, that both sensors of a joint must show
 OFTEN = 0.2  # of the blocks, in which they must: a hit that the model has a little late is no law
+OUTSIZE = 5.0  # times what a block usually shows: more counts no more, for it makes nobody less sure
 #: Rms in noise of a reading, that one sensor must show as often: no coloured noise is so much larger than its white part.
 ALONE = 10.0
 
@@ -24,7 +25,9 @@ def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
     both = shared(weighed, judged, found)
     if not len(both):
         return bool(np.quantile(left_of(weighed, judged, found.reading)[1], 1.0 - OFTEN) > ALONE**2)
-    surely = both.mean() > THROUGHOUT * both.std(ddof=1) / np.sqrt(len(both))
+    usual = OUTSIZE * np.median(np.abs(both))
+    each = np.clip(both, -usual, usual)
+    surely = each.mean() > THROUGHOUT * each.std(ddof=1) / np.sqrt(len(each))
     return bool(surely and np.quantile(both, 1.0 - OFTEN) > weighed.model.mean * SHARED**2)
 
 
