@@ -14,7 +14,7 @@ from hamr_dynamics.machine import Machine
 from ..data.record import Record
 from ..fitting.roles import mask
 from ..naming.blocks import better
-from ..naming.candidates import missing
+from ..naming.candidates import candidates, missing, of_one_size
 from ..naming.hypothesis import Hypothesis, judge, left_of, residual, settled
 from ..naming.prepare import Prepared
 from ..naming.search import Search, noise_floor
@@ -135,7 +135,7 @@ def _state(
     return Verdict(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=best.parameters,
         gap=best.gap, where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
-        detectable=detectable(machine, model.scales, state.seen, least=least), experiment=None,
+        detectable=detectable(machine, model.scales, state.seen, of_one_size(candidates(machine, record)), least=least), experiment=None,
         notes=(*poor(prepared), *degenerate(answers)),
     )  # fmt: skip
 

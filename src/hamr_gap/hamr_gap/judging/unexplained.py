@@ -25,8 +25,8 @@ def structural(weighed: Weighed, judged: np.ndarray, found: Fit) -> bool:
     both = shared(weighed, judged, found)
     if not len(both):
         return bool(np.quantile(left_of(weighed, judged, found.reading)[1], 1.0 - OFTEN) > ALONE**2)
-    usual = OUTSIZE * np.median(np.abs(both))
-    each = np.clip(both, -usual, usual)
+    most = OUTSIZE * np.median(np.abs(both))
+    each = np.clip(both, -most, most)
     surely = each.mean() > THROUGHOUT * each.std(ddof=1) / np.sqrt(len(each))
     return bool(surely and np.quantile(both, 1.0 - OFTEN) > weighed.model.mean * SHARED**2)
 

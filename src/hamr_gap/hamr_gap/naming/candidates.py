@@ -29,11 +29,12 @@ def candidates(machine: Machine, record: Record) -> list[Candidate]:
 
 
 def of_one_size(everything: Iterable[Candidate]) -> list[Candidate]:
-    """Of each effect at its joints, and between them, the first form that has one size: it says how large an effect would have shown."""
+    """Of each effect at each joint, and between two, the first form that has one size: the simplest, which stands for the name where it
+    is said how large an effect would have shown."""
     first: dict[tuple, Candidate] = {}
     for c in everything:
-        if len(c.law.sizes) == 1:
-            first.setdefault((c.name, c.law.acts == "pair"), c)
+        if len(c.law.sizes) == len(c.places) == 1:
+            first.setdefault(c.name, c)
     return list(first.values())
 
 

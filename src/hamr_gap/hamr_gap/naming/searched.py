@@ -45,11 +45,14 @@ def searched(machine: Machine, record: Record, report: Callable[[str], None]) ->
 
 
 def gap_searched(prepared: Prepared, report: Callable[[str], None], known: Sequence[Start] = ()) -> Search:
-    """What could be missing; nothing is tried where the re-tune leaves no gap. Of noise it has as little as the readings themselves or
-    what is left of them say, so that no gap passes for noise; steps of a sensor do, and are looked for."""
+    """What could be missing; nothing is tried where the re-tune leaves no gap.
+
+    What is missing may look like noise beside the model, so no more counts as noise than the readings have. Steps of a sensor look like
+    noise in the readings too, and are looked for.
+    """
     weighed, judged, base = prepared.weighed, prepared.judged, prepared.base
     floor = noise_floor(weighed, base)
-    noise = (1.0 - FLOOR_ERROR) * min(floor, 1.0 + weighed.model.mean * weighed.numerical**2)
+    noise = (1.0 - FLOOR_ERROR) * min(floor, 1.0)
     if base.left - noise > weighed.least or staircases(weighed, judged, base):
         return search(weighed, judged, base, report, known=known)
     report("screen")
