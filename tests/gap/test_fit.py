@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hamr_dynamics import machine_kernel
 from hamr_gap.fitting.corrected import Corrected
 from hamr_gap.fitting.descent import KEPT
 from hamr_gap.fitting.fit import fit
@@ -14,6 +15,7 @@ from hamr_gap.fitting.model import Model
 from hamr_gap.fitting.weighed import Weighed
 from hamr_gap.flagship_find import recorded
 from hamr_gap.legs import machine_of
+from hamr_gap.naming.hypothesis import left_of
 from hamr_gap.naming.prepare import prepare
 
 FINE = 4  # times as many steps
@@ -98,3 +100,40 @@ def test_coarse_steps_that_mislead_are_left(swinging):
     other = replace(weighed.coarse, machine=machine_of("full", "fl"))
     found = [fit(replace(weighed, coarse=coarse), free, np.zeros(len(free))).cost for coarse in (other, None)]
     assert found[0] == pytest.approx(found[1], rel=0.01)
+
+
+def test_pieces_in_which_nothing_counts_are_not_run_and_change_nothing(swinging, monkeypatch):
+    """To the bit; what a fit hands on is run whole."""
+    weighed, free = swinging
+    short, lanes = weighed.in_pieces, []
+    simulate = machine_kernel.simulate
+
+    def counted(machine, drives, rows, **how):
+        lanes.append(len(rows))
+        return simulate(machine, drives, rows, **how)
+
+    monkeypatch.setattr(machine_kernel, "simulate", counted)
+
+    def fitted() -> tuple:
+        lanes.clear()
+        found = fit(short, free, np.full(len(free), 0.01))
+        return found, sum(lanes)
+
+    few, fewer_lanes = fitted()
+    monkeypatch.setattr(Weighed, "fitted", property(lambda weighed: weighed))
+    every, all_lanes = fitted()
+    assert fewer_lanes < 0.5 * all_lanes
+    assert few.cost == every.cost
+    np.testing.assert_array_equal(few.x, every.x)
+    np.testing.assert_array_equal(few.reading, every.reading)
+
+
+def test_what_diverges_where_nothing_is_fitted_is_no_hypothesis(swinging):
+    weighed, free = swinging
+    judged = ~weighed.chosen & np.isfinite(weighed.model.target)
+    found = fit(weighed, free, np.zeros(len(free)), steps=0)
+    assert np.isfinite(left_of(weighed, judged, found.reading)[0])
+    lost = np.where(np.arange(len(judged))[:, None] == np.flatnonzero(judged.any(1))[0], np.nan, found.reading)
+    left, blocks = left_of(weighed, judged, lost)
+    assert left == np.inf
+    assert np.isinf(blocks).sum() == 1

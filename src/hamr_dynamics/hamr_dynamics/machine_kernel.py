@@ -75,18 +75,21 @@ def module(machine: Machine) -> ModuleType:
 
 
 @lru_cache(maxsize=16)
-def _sizes(machine: Machine) -> np.ndarray:
-    """(rows, laws) 1 where a parameter row is a size of a law."""
+def _sizes(machine: Machine) -> tuple[np.ndarray, np.ndarray]:
+    """(r,) parameter rows that are sizes of laws, and (r, laws) 1 where they are one of each; of reals, whose products are fast."""
     laws = [part.sizes for part in parts(machine) if part.sizes]
-    found = np.zeros((len(machine.parameter_rows), len(laws)), int)
+    found = np.zeros((len(machine.parameter_rows), len(laws)), np.float32)
     for law, rows in enumerate(laws):
-        found[list(rows), law] = 1
-    return found
+        found[list(rows), law] = 1.0
+    sizes = np.flatnonzero(found.any(1))
+    return sizes, found[sizes]
 
 
 def used_laws(machine: Machine, param: np.ndarray) -> np.ndarray:
     """(blocks, laws) which laws do something in some lane, of (blocks, rows * LANES) parameters; the kernel passes over the others."""
-    return (param.reshape(len(param), -1, LANES) != 0).any(2) @ _sizes(machine) > 0
+    sizes, of = _sizes(machine)
+    some = (param.reshape(len(param), -1, LANES)[:, sizes] != 0).any(2)
+    return some.astype(np.float32) @ of > 0
 
 
 def simulate(

@@ -48,8 +48,8 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
         BagError: the model diverges under the record's drives.
     """
     model = weighed.model
-    at = _started(weighed, free, np.clip(x0, [f.low for f in free], [f.high for f in free]))
-    at = descend(weighed, free, at, steps=steps, tolerance=tolerance)
+    at = _started(weighed.fitted, free, np.clip(x0, [f.low for f in free], [f.high for f in free]))
+    at = descend(weighed.fitted, free, at, steps=steps, tolerance=tolerance)
     sensors, run = weighed.sensors(at.s), model.runs(free, at.x)[0]
     return Fit(tuple(free), at.x, sensors, run, sensors.read(run, model.reading_step, model.starts), at.cost)
 

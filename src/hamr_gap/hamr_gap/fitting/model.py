@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -34,7 +35,7 @@ class Model:
         begins: whether a fit may move the starts of pieces: over long ones what a measured start is off by is no longer small.
         target: (n, channels) averaged readings, NaN where none is, or where a late one shows what was before the record.
         own: indices of the record's channels among the machine's.
-        pieces: parts that start anew, None for free runs from rest.
+        pieces: parts that start anew, None for free runs from rest. wanted: (S,) which of these are run.
     """
 
     machine: Machine
@@ -46,6 +47,7 @@ class Model:
     delay: float = 0.0
     begins: bool = False
     pieces: Pieces | None = field(init=False)
+    wanted: np.ndarray = field(init=False)
     target: np.ndarray = field(init=False)
     own: list[int] = field(init=False)
     drives: np.ndarray = field(init=False)
@@ -61,6 +63,7 @@ class Model:
         self.drives = np.concatenate([fine, np.repeat(fine[-1:], max(-self._late, 0), axis=0)])  # clocks ahead see beyond the end
         self.neutral = self.machine.neutral(self.scales)
         self.pieces = pieces_of(self.machine, self.record, self.mean, self.piece)
+        self.wanted = np.ones(len(self.pieces or ()), bool)
         if self.pieces is not None:
             # a piece's first and last reading serve nothing: their slopes reach into its neighbours
             served = np.zeros(len(self.target), bool)
@@ -71,6 +74,12 @@ class Model:
             for start, _ in self.stretches:
                 inner = EDGE if start else 0
                 self.target[max(start - inner, 0) : start + max(inner, self._unseen)] = np.nan
+
+    def only(self, readings: np.ndarray) -> Model:
+        """The same in pieces, of which none is run that holds none of some readings, (n,)."""
+        other = copy(self)
+        other.wanted = np.array([readings[a:b].any() for a, b in self.pieces.parts])
+        return other
 
     @property
     def stretches(self) -> list[tuple[int, int]]:
@@ -87,7 +96,7 @@ class Model:
         """T between averaged readings."""
         return self.record.step * self.mean
 
-    @property
+    @cached_property
     def starts(self) -> tuple[int, ...]:
         """Readings from which runs start as measured, of a machine that does not forget it."""
         return () if self.pieces is None or self.pieces.forgotten else tuple(int(x) for x in self.pieces.first)
@@ -152,8 +161,8 @@ class Model:
         )  # fmt: skip
 
     def _piecewise(self, pieces: Pieces, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
-        """As `run_rows`, all channels, every piece in a lane of its own; zero where there is none."""
-        chosen = np.flatnonzero(pieces.first < samples)
+        """As `run_rows`, all channels, every piece in a lane of its own; zero where none is run."""
+        chosen = np.flatnonzero(self.wanted & (pieces.first < samples))
         first, stop = pieces.first[chosen], np.minimum(pieces.stop[chosen], samples)
         longest, steps = int((stop - first).max()), self.mean * self.substeps
         drives, count = self._reaching(longest * steps), len(self.neutral)

@@ -99,6 +99,15 @@ class Weighed:
         coarse = model if self.coarse is self.model else self.coarse and replace(self.coarse, piece=length)
         return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target), initial=None)
 
+    @cached_property
+    def fitted(self) -> Weighed:
+        """The same without the pieces in which no reading counts: what a fit need simulate."""
+        if self.model.pieces is None:
+            return self
+        count = self.chosen.any(1)
+        model = self.model.only(count)
+        return replace(self, model=model, coarse=model if self.coarse is self.model else self.coarse and self.coarse.only(count))
+
     def on_time(self, delay: float) -> Weighed:
         """With the clocks' shift, T, in the model, so that what sensors do besides is done to what they see."""
         model, coarse = (replace(m, delay=delay) if m else None for m in (self.model, self.coarse))

@@ -74,8 +74,8 @@ def judge(weighed: Weighed, judged: np.ndarray, effects: Sequence[Candidate], fo
 
 def left_of(weighed: Weighed, judged: np.ndarray, reading: np.ndarray) -> tuple[float, np.ndarray]:
     """Mean square, in units of the noise, by which readings (n, channels) miss the judged ones: of all, and (b,) of each block in which
-    something moves. What stands still tells no law of motion from another."""
-    square = np.where(judged, weighed.left(reading) ** 2, np.nan)
+    something moves. What stands still tells no law of motion from another, and a run that diverges misses by any amount."""
+    square = np.where(judged, np.where(np.isfinite(reading), weighed.left(reading) ** 2, np.inf), np.nan)
     rows = np.flatnonzero(judged.any(1))
     blocks = blocks_of(weighed, rows)
     moves = [bool((np.nanstd(weighed.model.target[part], axis=0) > MOVES * weighed.sigma).any()) for part in blocks]
@@ -98,6 +98,7 @@ def starts(weighed: Weighed, base: Fit, seen: Screen, wanted: Sequence[tuple[Seq
         free = (*base.free, *(f for f in effect_parameters(effects, weighed.model.scales) if f.row not in known))
         for shares in STEPS:
             prepared.append((tuple(effects), free, _at(free, base, seen, solution, *shares)))
+    weighed = weighed.fitted
     model = weighed.model
     runs = Corrected(weighed, base.free, base.x, base.run[: weighed.until])
     target = weighed.vector(model.target)

@@ -121,6 +121,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
         amplitude: rms of the responses wanted, in units of the noise: about that of what is to be explained, so that laws with a
             threshold are seen at the size they must have.
     """
+    weighed = weighed.fitted
     model, scales, until = weighed.coarse or weighed.model, weighed.model.scales, weighed.until
     plain = model.runs(base.free, base.x, until)[0]
     columns, groups = _columns(candidates, scales)
