@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -95,9 +96,8 @@ class Weighed:
     def in_pieces(self) -> Weighed:
         """The same in short runs, each from a measured start, of what runs freely."""
         length = telling(self.model.machine, self.model.record)
-        model = replace(self.model, piece=length)
-        coarse = model if self.coarse is self.model else self.coarse and replace(self.coarse, piece=length)
-        return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target), initial=None)
+        short = self._remade(lambda model: replace(model, piece=length))
+        return replace(short, chosen=self.chosen & np.isfinite(short.model.target), initial=None)
 
     @cached_property
     def fitted(self) -> Weighed:
@@ -105,13 +105,17 @@ class Weighed:
         if self.model.pieces is None:
             return self
         count = self.chosen.any(1)
-        model = self.model.only(count)
-        return replace(self, model=model, coarse=model if self.coarse is self.model else self.coarse and self.coarse.only(count))
+        return self._remade(lambda model: model.only(count))
 
     def on_time(self, delay: float) -> Weighed:
         """With the clocks' shift, T, in the model, so that what sensors do besides is done to what they see."""
-        model, coarse = (replace(m, delay=delay) if m else None for m in (self.model, self.coarse))
-        return replace(self, model=model, coarse=coarse, chosen=self.chosen & np.isfinite(model.target))
+        timed = self._remade(lambda model: replace(model, delay=delay))
+        return replace(timed, chosen=self.chosen & np.isfinite(timed.model.target))
+
+    def _remade(self, change: Callable[[Model], Model]) -> Weighed:
+        """The same with its models changed, which are one if they were."""
+        model = change(self.model)
+        return replace(self, model=model, coarse=model if self.coarse is self.model else self.coarse and change(self.coarse))
 
     def moved(self, run: np.ndarray, shift: float) -> np.ndarray:
         """A run as late as it is read, about which sensors are linear; in short pieces, which are moved to first order, about no shift."""
