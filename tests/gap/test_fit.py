@@ -10,13 +10,16 @@ import pytest
 from hamr_dynamics import machine_kernel
 from hamr_gap.fitting.corrected import Corrected
 from hamr_gap.fitting.descent import KEPT
-from hamr_gap.fitting.fit import fit
+from hamr_gap.fitting.fit import Fit, fit
 from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.parameters import Candidate
 from hamr_gap.fitting.weighed import Weighed
 from hamr_gap.flagship_find import recorded
 from hamr_gap.legs import machine_of
-from hamr_gap.naming.hypothesis import left_of
+from hamr_gap.naming.hypothesis import Start, left_of
+from hamr_gap.naming.moves import look, singles
 from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.screen import Screen
 
 FINE = 4  # times as many steps
 
@@ -103,29 +106,35 @@ def test_coarse_steps_that_mislead_are_left(swinging):
 
 
 def test_pieces_in_which_nothing_counts_are_not_run_and_change_nothing(swinging, monkeypatch):
-    """To the bit; what a fit hands on is run whole."""
+    """To the bit, whether something is fitted, screened or begun; what a fit hands on is run whole."""
     weighed, free = swinging
-    short, lanes = weighed.in_pieces, []
+    short, wanted, lanes = weighed.in_pieces, [Candidate("cubic_stiffness", "cubic", (0, 1))], []
     simulate = machine_kernel.simulate
 
     def counted(machine, drives, rows, **how):
-        lanes.append(len(rows))
+        lanes[-1] += len(rows)
         return simulate(machine, drives, rows, **how)
 
     monkeypatch.setattr(machine_kernel, "simulate", counted)
 
-    def fitted() -> tuple:
-        lanes.clear()
+    def made() -> tuple[Fit, Screen, list[Start], np.ndarray]:
+        lanes.append(0)
         found = fit(short, free, np.full(len(free), 0.01))
-        return found, sum(lanes)
+        lanes.append(0)
+        seen = look(short, found, wanted)
+        lanes.append(0)
+        return found, seen, singles(short, found, seen, wanted), np.array(lanes[-3:])
 
-    few, fewer_lanes = fitted()
+    few = made()
     monkeypatch.setattr(Weighed, "fitted", property(lambda weighed: weighed))
-    every, all_lanes = fitted()
-    assert fewer_lanes < 0.5 * all_lanes
-    assert few.cost == every.cost
-    np.testing.assert_array_equal(few.x, every.x)
-    np.testing.assert_array_equal(few.reading, every.reading)
+    every = made()
+    assert (few[-1] < 0.5 * every[-1]).all()
+    assert few[0].cost == every[0].cost
+    np.testing.assert_array_equal(few[0].x, every[0].x)
+    np.testing.assert_array_equal(few[0].reading, every[0].reading)
+    for own, other in zip(few[1].fitted, every[1].fitted, strict=True):
+        np.testing.assert_array_equal(own, other)
+    assert [start.cost for start in few[2]] == [start.cost for start in every[2]]
 
 
 def test_what_diverges_where_nothing_is_fitted_is_no_hypothesis(swinging):
