@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shaken_leg import FRICTION, shaken
 
-from hamr_gap.fitting.descent import FIRST
+from hamr_gap.fitting.descent import TRIALS
 from hamr_gap.fitting.fit import fit
 from hamr_gap.fitting.parameters import Candidate, effect_parameters
 from hamr_gap.fitting.sensors import Sensors
@@ -53,7 +53,7 @@ def test_steps_beyond_newtons_lead_on_along_what_sticks_and_slips(monkeypatch):
     added, shares = free[len(stuck.base.fit.x) :], np.geomspace(0.05, 2.7, 32)
     starts = [np.array([*stuck.base.fit.x, *(f.center or share * f.sd / 30 for f in added)]) for share in shares]
     beyond = np.array([fit(stuck.weighed, free, x).cost for x in starts])
-    monkeypatch.setattr("hamr_gap.fitting.descent.FIRST", np.minimum(FIRST, 1.0))
+    monkeypatch.setattr("hamr_gap.fitting.descent.TRIALS", [(np.minimum(shares, 1.0), curved) for shares, curved in TRIALS])
     capped = np.array([fit(stuck.weighed, free, x).cost for x in starts])
     found = 1.05 * min(beyond.min(), capped.min())
     assert np.sum(beyond < found) > 1.5 * np.sum(capped < found)

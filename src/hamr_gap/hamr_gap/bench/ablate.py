@@ -44,7 +44,7 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "given": ((single_effects, "ASTRAY", 0.0),),
     "timed": ((search, "LATE", float("inf")),),
     "coarser": ((descent, "FORESEEN", float("inf")),),
-    "beyond": ((descent, "FIRST", np.minimum(descent.FIRST, 1.0)),),
+    "beyond": ((descent, "TRIALS", tuple((np.minimum(shares, 1.0), curved) for shares, curved in descent.TRIALS)),),
     "all_over": ((roles, "CYCLE", tuple(roles.SHARES)), (roles, "CYCLE_S", 4.0)),
     "held_out": ((tune, "roles_of", _judged_by_the_fitted),),
     "finer": ((prepare, "ENOUGH", float("inf")),),
@@ -52,7 +52,7 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "prices": tuple((weigh, name, 0.0) for name in ("ANOTHER_EFFECT", "ONE_MORE", "ANOTHER_PLACE", "FREER", "CONTAINS")),
     "special": ((weigh, "_special", lambda *_: False),),
     "unknown": ((weigh, "UNKNOWN", 1.0), (analyse, "structural", lambda *_: False), (analyse, "ALONE", float("inf"))),
-    "pieces": ((sought, "FIRST", 0), (single_effects, "LOST", float("inf"))),
+    "pieces": ((sought, "_led", lambda *_: []), (single_effects, "LOST", float("inf"))),
 }
 
 

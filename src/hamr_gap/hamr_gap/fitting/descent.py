@@ -12,10 +12,13 @@ from .linear import jacobian
 from .parameters import Free
 from .weighed import Weighed
 
-#: Shares of a Newton step; more than all of it, since in long valleys, as of what sticks and slips, the next one leads on the same way.
-FIRST, SHORTER = np.array([4.0, 2.0, 1.0, 0.7]), np.array([0.4, 0.2, 0.1, 0.05, 0.02, 0.007])
-DAMPED = np.array([1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0])  # shares of its curvature added to each direction, where the straight way misleads
-KEPT = 0.95  # of what derivatives promise: a step that gains so much is taken, and no other one is tried
+#: Shares of a Newton step, and of its curvature added to each direction where the straight way misleads: what is tried first, in a block of
+#: lanes, and after it. More than all of a step, since in long valleys, as of what sticks and slips, the next one leads on the same way.
+TRIALS = (
+    (np.array([2.0, 1.0, 0.7, 0.4, 0.2]), np.array([1e-2, 0.1, 1.0])),
+    (np.array([4.0, 0.1, 0.05, 0.02, 0.007]), np.array([1e-4, 1e-3, 10.0])),
+)
+KEPT = 0.3  # of what derivatives promise: where a step gains so much, no others are tried
 DELTAS = (1e-4, 1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
 FORESEEN = 0.01  # of the cost: if derivatives promise more than this and nothing is gained, larger ones are tried
 LEAST = 0.05  # of half a sum of squares in units of the noise: no step is worth less
@@ -67,13 +70,16 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
         hessian = derivatives.T @ derivatives + np.diag(precision + 1e-9 * len(residual))
         direction = _bounded_step(hessian, gradient, x, low, high, n)
         foreseen = 0.5 * float(gradient @ direction)
-        about = (weighed, free, runs, sensors.shift, doubt)
-        trial = _best(*about, np.clip(x + FIRST[:, None] * direction[:n], low, high))
-        if cost - trial[0] < KEPT * foreseen:
-            damped = [_bounded_step(hessian + np.diag(share * np.diag(hessian)), gradient, x, low, high, n)[:n] for share in DAMPED]
-            others = _best(*about, np.clip(x + np.vstack([SHORTER[:, None] * direction[:n], damped]), low, high))
-            trial = min(trial, others, key=lambda t: t[0])
-        left, at, there = trial
+        if foreseen < tolerance * cost or foreseen < LEAST:
+            break
+        left, at, there = np.inf, x, run
+        for shares, curved in TRIALS:
+            damped = [_bounded_step(hessian + np.diag(share * np.diag(hessian)), gradient, x, low, high, n)[:n] for share in curved]
+            trials = np.clip(x + np.vstack([shares[:, None] * direction[:n], damped]), low, high)
+            best = _best(weighed, free, runs, sensors.shift, doubt, trials)
+            left, at, there = min((left, at, there), best, key=lambda trial: trial[0])
+            if cost - left >= KEPT * foreseen:
+                break
         promised, gained = left < cost, 0.0
         if promised:
             there = runs.at(at, there)

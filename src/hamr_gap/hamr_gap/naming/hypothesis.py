@@ -21,6 +21,8 @@ SEEN = 0.05  # of its response, that a size with a threshold must show in a solu
 BLOCKS = 24  # of the judged readings, for spread
 FEWEST = 6  # pieces that are blocks of their own, and blocks there must be
 MOVES = 3.0  # standard deviations of the noise, by which a sensor's readings vary within a block that tells something
+SOON = 3e-3  # relative decrease of cost at which fits of several sets end at first
+NEAR = 1.1  # times the least cost, up to which they go on
 
 
 @dataclass(frozen=True)
@@ -152,5 +154,13 @@ def settled(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> Hypothesis:
 
 
 def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start]) -> list[Hypothesis]:
-    """Fits several sets for good."""
-    return at_once(lambda start: refine(weighed, judged, start), found)
+    """Fits several sets for good, those that come nowhere near the best only until steps gain little."""
+    found = list(found)
+    return [judge(weighed, judged, start.effects, f) for start, f in zip(found, raced(weighed, found, NEAR), strict=True)]
+
+
+def raced(weighed: Weighed, found: Sequence[Start], near: float) -> list[Fit]:
+    """Fits of several sets, on to the end only of those that cost less than so many times the least."""
+    begun = at_once(lambda start: fit(weighed, start.free, start.x, tolerance=SOON), found)
+    least = min((f.cost for f in begun), default=0.0)
+    return at_once(lambda f: fit(weighed, f.free, f.x) if f.cost < near * least else f, begun)

@@ -26,6 +26,7 @@ RIVAL = 4.0  # times what more effects leave, that fewer may leave and be as pro
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
 LARGEST = 3  # effects at once
+HOPELESS = 0.5  # of the gap: what leaves more is no name, and no simpler one is looked for
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
 LATE = 0.1  # of a reading's step: what an effect moves the clocks' shift by, before all is simulated with the new one
@@ -137,15 +138,21 @@ def search(
         if state.best.left - state.floor > NEEDED * before:
             break
         _exchange(weighed, judged, state, everything, smaller)
+    if state.best.left - state.floor < HOPELESS * (state.base.left - state.floor):
+        _simplify(weighed, judged, state)
+    with_steps(weighed, judged, state, report)
+    state.floor = noise_floor(weighed, state.best)
+    return state
+
+
+def _simplify(weighed: Weighed, judged: np.ndarray, state: Search) -> None:
+    """Looks for simpler names of what explains the gap."""
     state.tried += in_its_place(weighed, judged, state.best)
     whole = state.best
     state.tried += narrowed(weighed, judged, whole)  # beside a simpler name others may have nothing left to do
     if (fewest := state.fewest).effects != whole.effects:
         state.tried += in_its_place(weighed, judged, fewest)
     state.tried += as_narrow(weighed, judged, state.tried)
-    with_steps(weighed, judged, state, report)
-    state.floor = noise_floor(weighed, state.best)
-    return state
 
 
 def _exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:

@@ -14,11 +14,9 @@ import numpy as np
 from ..fitting.fit import ROUGH, fit
 from ..fitting.threads import at_once
 from ..fitting.weighed import Weighed
-from .hypothesis import Hypothesis, Start, judge, refined
+from .hypothesis import Hypothesis, Start, judge, raced, refined
 
-STEPS, TOLERANCE = 15, 3e-3  # of fits that lead only
 NEAR = 3.0  # times the least that short pieces leave, up to which a set is fitted to free runs again
-FIRST = 6  # sets that are led at first, and the rest where that gains anything
 GAINS = 0.9  # of the cost of a fit that nothing led
 
 
@@ -39,18 +37,12 @@ def sought(
     free = rough and fitted and not weighed.model.starts
     if not free or any(weighed.missed(h.fit.reading).max() < ROUGH for h in (*fitted, *known)):
         return fitted
-    order = sorted(range(len(found)), key=lambda k: fitted[k].fit.cost)
-    led: list[Hypothesis] = []
-    for part in (order[:FIRST], order[FIRST:]):
-        led += _led(weighed, judged, [found[k] for k in part], [fitted[k] for k in part])
-        if not led:
-            break
-    return [*fitted, *led]
+    return [*fitted, *_led(weighed, judged, found, fitted)]
 
 
 def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Those of some sets that short pieces lead to less."""
-    begun = at_once(lambda start: fit(weighed.in_pieces, start.free, start.x, steps=STEPS, tolerance=TOLERANCE), found)
+    begun = raced(weighed.in_pieces, found, NEAR)
     least = min((f.cost for f in begun), default=0.0)
     near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
     again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)
