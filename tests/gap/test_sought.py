@@ -20,7 +20,7 @@ from hamr_gap.judging import analyse
 from hamr_gap.legs import machine_of
 from hamr_gap.naming import search
 from hamr_gap.naming.candidates import candidates
-from hamr_gap.naming.hypothesis import Start, raced, refine, refined
+from hamr_gap.naming.hypothesis import FEW, Start, raced, refine, refined
 from hamr_gap.naming.moves import first_families, first_of_each, look, singles
 from hamr_gap.naming.prepare import Prepared, prepare
 from hamr_gap.naming.simpler import special_cases
@@ -100,6 +100,24 @@ def test_of_sets_those_that_come_near_the_best_are_fitted_to_the_end(rubbing, mo
     assert [f.cost for f in found[:2]] == pytest.approx(ends[:2], rel=1e-3)
     assert min(ends[2], found[2].cost) > 100.0 * max(ends[:2])
     assert [f.free for f in found] == [start.free for start in starts]
+
+
+@pytest.mark.parametrize("explained", [True, False])
+def test_what_is_far_from_a_set_that_explains_the_record_is_left(rubbing, monkeypatch, explained):
+    """After a few steps; where none explains it, all go on."""
+    wrong = bold(rubbing, Candidate("configuration_dependent_damping", "polynomial", (0,)), 0.1)
+    starts = [bold(rubbing, FRICTION, 0.1)] * explained + [wrong]
+    steps = []
+
+    def counted(weighed, free, *at, **how):
+        found = fit(weighed, free, *at, **how)
+        steps.extend([found.steps] * (free == wrong.free))
+        return found
+
+    monkeypatch.setattr("hamr_gap.naming.hypothesis.fit", counted)
+    raced(rubbing.weighed, starts, 1.1)
+    assert steps[0] == FEW
+    assert (len(steps) == 1) == explained
 
 
 def test_of_two_names_alike_each_is_tried_from_the_others_numbers(monkeypatch):

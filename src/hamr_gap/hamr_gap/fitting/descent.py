@@ -30,13 +30,14 @@ class Point:
 
     Attributes:
         x: (P,) free numbers in scales. run: (n, channels) there, as far as a fit simulates. s: coefficients of the sensors.
-        cost: half sum of squares on the fitted readings, with priors.
+        cost: half sum of squares on the fitted readings, with priors. steps: that led there.
     """
 
     x: np.ndarray
     run: np.ndarray
     s: np.ndarray
     cost: float
+    steps: int = 0
 
 
 def point(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray) -> Point:
@@ -58,7 +59,9 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
     target, n = weighed.vector(model.target), len(free)
     x, run, s, cost = at.x, at.run, at.s, at.cost
     runs = Corrected(weighed, free, x, run)
-    for _ in range(steps if n else 0):
+    taken = 0
+    while taken < steps and n:
+        taken += 1
         sensors = weighed.sensors(s)
         derivatives = jacobian(weighed, free, x, run, sensors, runs.near, delta=delta)
         residual = target - weighed.vector(sensors.read(run, model.reading_step, model.starts))
@@ -95,7 +98,7 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
             if foreseen < FORESEEN * cost or delta == DELTAS[-1]:
                 break
             delta = DELTAS[DELTAS.index(delta) + 1]
-    return Point(x, run, s, cost)
+    return Point(x, run, s, cost, taken)
 
 
 def _best(

@@ -27,7 +27,7 @@ class Fit:
 
     Attributes:
         free, x: parameters and their values in scales. sensors. run: (n, channels) free run without the sensors' part.
-        reading: with it. cost: half sum of squares on the fitted readings, with priors.
+        reading: with it. cost: half sum of squares on the fitted readings, with priors. steps: that it took.
     """
 
     free: tuple[Free, ...]
@@ -36,6 +36,7 @@ class Fit:
     run: np.ndarray
     reading: np.ndarray
     cost: float
+    steps: int = 0
 
 
 def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 40, tolerance: float = 3e-4) -> Fit:
@@ -51,7 +52,7 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
     at = _started(weighed.fitted, free, np.clip(x0, [f.low for f in free], [f.high for f in free]))
     at = descend(weighed.fitted, free, at, steps=steps, tolerance=tolerance)
     sensors, run = weighed.sensors(at.s), model.runs(free, at.x)[0]
-    return Fit(tuple(free), at.x, sensors, run, sensors.read(run, model.reading_step, model.starts), at.cost)
+    return Fit(tuple(free), at.x, sensors, run, sensors.read(run, model.reading_step, model.starts), at.cost, at.steps)
 
 
 def _started(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Point:
