@@ -9,7 +9,7 @@ import pytest
 
 from hamr_dynamics import machine_kernel
 from hamr_gap.fitting.corrected import Corrected
-from hamr_gap.fitting.descent import KEPT
+from hamr_gap.fitting.descent import KEPT, TRIALS
 from hamr_gap.fitting.fit import Fit, fit
 from hamr_gap.fitting.model import Model
 from hamr_gap.fitting.parameters import Candidate
@@ -86,6 +86,18 @@ def test_where_derivatives_keep_their_promise_no_other_steps_are_tried(swinging,
         found.append(fit(replace(weighed, coarse=None), free, np.zeros(len(free))))
     assert found[0].cost == pytest.approx(found[1].cost, rel=1e-3)
     assert steps[0] < 0.8 * steps[1]
+
+
+def test_where_derivatives_promise_nothing_no_step_is_tried(swinging, steps):
+    """A fit that begins where another ended runs its start, its end, derivatives of each step and the first trials of all but the last."""
+    weighed, free = swinging
+    fine = replace(weighed, coarse=None)
+    steps.append(0)
+    end = fit(fine, free, np.zeros(len(free)))
+    steps.append(0)
+    again = fit(fine, free, end.x)
+    trials = sum(len(some) for some in TRIALS[0])
+    assert steps[1] == (2 + again.steps * len(free) + (again.steps - 1) * trials) * weighed.model.substeps
 
 
 def test_a_fit_ends_where_one_in_fine_steps_ends_and_simulates_less(swinging, steps):

@@ -203,15 +203,16 @@ def test_sets_are_led_only_on_a_record_whose_single_effects_were(sticking, monke
     assert told == [False, True]
 
 
-@pytest.mark.parametrize(("wanted", "explains"), [(FRICTION, True), (Candidate("quadratic_damping", "square", (1,)), False)])
-def test_simpler_names_are_looked_for_of_what_explains_the_gap(rubbing, monkeypatch, wanted, explains):
+@pytest.mark.parametrize(("name", "form", "explains"), [("coulomb_friction", "sign", True), ("quadratic_damping", "square", False)])
+def test_simpler_names_are_looked_for_of_what_explains_half_of_the_gap(rubbing, monkeypatch, name, form, explains):
+    """Friction that changes at once leaves a fifth of what slides before it sticks."""
     looked = []
-    monkeypatch.setattr(search, "candidates", lambda *_: [wanted])
+    monkeypatch.setattr(search, "candidates", lambda *_: [Candidate(name, form, (0,))])
     monkeypatch.setattr(search, "LARGEST", 1)
     for move in ("in_its_place", "narrowed", "as_narrow"):
         monkeypatch.setattr(search, move, lambda *_, move=move: looked.append(move) or [])
     found = search.search(rubbing.weighed, rubbing.judged, rubbing.base, timed=True)
-    assert (found.best.left < 0.1 * found.base.left) == explains
+    assert (0.1 < found.best.left / found.base.left < 0.3) == explains
     assert looked == ["in_its_place", "narrowed", "as_narrow"] * explains
 
 
