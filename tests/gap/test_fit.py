@@ -9,8 +9,8 @@ import pytest
 
 from hamr_dynamics import machine_kernel
 from hamr_gap.fitting.corrected import Corrected
-from hamr_gap.fitting.descent import KEPT, TRIALS
-from hamr_gap.fitting.fit import Fit, fit
+from hamr_gap.fitting.descent import KEPT, TRIALS, descend
+from hamr_gap.fitting.fit import Fit, begun, ended, fit
 from hamr_gap.fitting.model import Model
 from hamr_gap.fitting.parameters import Candidate
 from hamr_gap.fitting.weighed import Weighed
@@ -95,7 +95,8 @@ def test_where_derivatives_promise_nothing_no_step_is_tried(swinging, steps):
     steps.append(0)
     end = fit(fine, free, np.zeros(len(free)))
     steps.append(0)
-    again = fit(fine, free, end.x)
+    again = descend(fine, begun(fine, free, end.x))
+    ended(fine, again)
     trials = sum(len(some) for some in TRIALS[0])
     assert steps[1] == (2 + again.steps * len(free) + (again.steps - 1) * trials) * weighed.model.substeps
 

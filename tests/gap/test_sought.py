@@ -13,14 +13,16 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import with_motion
+from hamr_gap.fitting.descent import descend
 from hamr_gap.fitting.fit import ROUGH, fit
 from hamr_gap.fitting.parameters import Candidate, effect_parameters
+from hamr_gap.fitting.race import FEW, raced
 from hamr_gap.fitting.weighed import Weighed
 from hamr_gap.judging import analyse
 from hamr_gap.legs import machine_of
 from hamr_gap.naming import search
 from hamr_gap.naming.candidates import candidates
-from hamr_gap.naming.hypothesis import FEW, Start, raced, refine, refined
+from hamr_gap.naming.hypothesis import Start, refine, refined
 from hamr_gap.naming.moves import first_families, first_of_each, look, singles
 from hamr_gap.naming.prepare import Prepared, prepare
 from hamr_gap.naming.simpler import special_cases
@@ -45,7 +47,7 @@ def bold(prepared: Prepared, c: Candidate, share: float = 1.0) -> Start:
 
 def test_short_pieces_lead_where_free_runs_rest_elsewhere(sticking, monkeypatch):
     """From near and far: where fits of free runs rest hangs on rounding, so that some of them do is all that can be said."""
-    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 0.0)
+    monkeypatch.setattr("hamr_gap.fitting.fit.ROUGH", 0.0)
     starts = [bold(sticking, BRISTLES, share) for share in (1.0, 0.8, 0.6, 0.4)]
     fitted = sought(sticking.weighed, sticking.judged, starts)
     direct, led = fitted[: len(starts)], fitted[len(starts) :]
@@ -61,10 +63,10 @@ def test_nothing_is_led_beside_what_explains_the_record(sticking, monkeypatch):
     about = (sticking.weighed, sticking.judged, [bold(sticking, FRICTION)], [known])
     missed = sticking.weighed.missed(known.fit.reading).max()
     monkeypatch.setattr(Weighed, "in_pieces", property(lambda weighed: 1 / 0))
-    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 1.01 * missed)
+    monkeypatch.setattr("hamr_gap.fitting.fit.ROUGH", 1.01 * missed)
     (found,) = sought(*about)
     assert found.effects == (FRICTION,)
-    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 0.99 * missed)
+    monkeypatch.setattr("hamr_gap.fitting.fit.ROUGH", 0.99 * missed)
     assert len(sought(*about, rough=False)) == 1
     with pytest.raises(ZeroDivisionError):
         sought(*about)
@@ -80,7 +82,7 @@ def test_a_set_is_led_however_little_free_runs_like_it(sticking, monkeypatch):
         *found, bristles = refined(*about)
         return [*found, replace(bristles, fit=replace(bristles.fit, cost=2.0 * max(h.fit.cost for h in found)))]
 
-    monkeypatch.setattr("hamr_gap.naming.sought.ROUGH", 0.0)
+    monkeypatch.setattr("hamr_gap.fitting.fit.ROUGH", 0.0)
     monkeypatch.setattr("hamr_gap.naming.sought.refined", misled)
     led = sought(sticking.weighed, sticking.judged, starts)[len(starts) :]
     best = min(led, key=lambda h: h.left)
@@ -93,8 +95,13 @@ def test_of_sets_those_that_come_near_the_best_are_fitted_to_the_end(rubbing, mo
     wanted = (FRICTION, replace(FRICTION, form="lugre"), Candidate("quadratic_damping", "square", (0,)))
     starts = [bold(rubbing, c, 0.1) for c in wanted]
     told = []
-    monkeypatch.setattr("hamr_gap.naming.hypothesis.fit", lambda *at, **how: (told.append((at[1], how)), fit(*at, **how))[1])
-    found = raced(rubbing.weighed, starts, 1.1)
+
+    def heard(weighed, at, **how):
+        told.append((at.free, how))
+        return descend(weighed, at, **how)
+
+    monkeypatch.setattr("hamr_gap.fitting.race.descend", heard)
+    found = raced(rubbing.weighed, ((start.free, start.x) for start in starts))
     assert [free for free, how in told if not how] == [start.free for start in starts[:2]]
     ends = [fit(rubbing.weighed, start.free, start.x).cost for start in starts]
     assert [f.cost for f in found[:2]] == pytest.approx(ends[:2], rel=1e-3)
@@ -108,15 +115,15 @@ def test_what_is_far_from_a_set_that_explains_the_record_is_left(rubbing, monkey
     wrong = bold(rubbing, Candidate("configuration_dependent_damping", "polynomial", (0,)), 0.1)
     steps = []
 
-    def counted(weighed, free, *at, **how):
-        found = fit(weighed, free, *at, **how)
-        steps.extend([found.steps] * (free == wrong.free))
+    def counted(weighed, at, **how):
+        found = descend(weighed, at, **how)
+        steps.extend([found.steps] * (at.free == wrong.free))
         return found
 
-    monkeypatch.setattr("hamr_gap.naming.hypothesis.fit", counted)
-    monkeypatch.setattr("hamr_gap.naming.hypothesis.FEW", few)
-    monkeypatch.setattr("hamr_gap.naming.hypothesis.ROUGH", ROUGH if explained else 0.0)
-    raced(rubbing.weighed, [bold(rubbing, FRICTION, 0.1), wrong], 1.1)
+    monkeypatch.setattr("hamr_gap.fitting.race.descend", counted)
+    monkeypatch.setattr("hamr_gap.fitting.race.FEW", few)
+    monkeypatch.setattr("hamr_gap.fitting.fit.ROUGH", ROUGH if explained else 0.0)
+    raced(rubbing.weighed, [(start.free, start.x) for start in (bold(rubbing, FRICTION, 0.1), wrong)])
     assert len(steps) == fits
     assert FEW <= steps[0] <= few
 

@@ -29,10 +29,11 @@ class Point:
     """Where a fit is.
 
     Attributes:
-        x: (P,) free numbers in scales. run: (n, channels) there, as far as a fit simulates. s: coefficients of the sensors.
-        cost: half sum of squares on the fitted readings, with priors. steps: that led there.
+        free, x: parameters and their values (P,) in scales. run: (n, channels) there, as far as a fit simulates.
+        s: coefficients of the sensors. cost: half sum of squares on the fitted readings, with priors. steps: that led there.
     """
 
+    free: tuple[Free, ...]
     x: np.ndarray
     run: np.ndarray
     s: np.ndarray
@@ -45,16 +46,16 @@ def point(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray
     doubt = weighed.doubt(weighed.vector(weighed.model.target) - weighed.vector(run))
     s, _ = weighed.solve_sensors(run, doubt=doubt)
     s, cost = weighed.solve_sensors(run, weighed.sensors(s).shift, doubt)
-    return Point(x, run, s, cost + doubt * _prior(free, x))
+    return Point(tuple(free), x, run, s, cost + doubt * _prior(free, x))
 
 
-def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, tolerance: float) -> Point:
+def descend(weighed: Weighed, at: Point, *, steps: int = 40, tolerance: float = 3e-4) -> Point:
     """Where Gauss-Newton steps lead from a point.
 
     Args:
         steps: at most. tolerance: relative decrease of cost at which it ends.
     """
-    model, delta = weighed.model, DELTAS[0]
+    model, free, delta = weighed.model, at.free, DELTAS[0]
     low, high, center, sd = (np.array([getattr(f, name) for f in free]) for name in ("low", "high", "center", "sd"))
     target, n = weighed.vector(model.target), len(free)
     x, run, s, cost = at.x, at.run, at.s, at.cost
@@ -98,7 +99,7 @@ def descend(weighed: Weighed, free: Sequence[Free], at: Point, *, steps: int, to
             if foreseen < FORESEEN * cost or delta == DELTAS[-1]:
                 break
             delta = DELTAS[DELTAS.index(delta) + 1]
-    return Point(x, run, s, cost, taken)
+    return Point(free, x, run, s, cost, taken)
 
 
 def _best(

@@ -18,7 +18,7 @@ from .sensors import Sensors
 from .weighed import Weighed
 
 HALVINGS = 30  # of a start that diverges
-ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which another start is worth its time
+ROUGH = 2.0  # of the noise of a reading: what a fit leaves, from which others are worth their time
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Fit:
 
     Attributes:
         free, x: parameters and their values in scales. sensors. run: (n, channels) free run without the sensors' part.
-        reading: with it. cost: half sum of squares on the fitted readings, with priors. steps: that it took.
+        reading: with it. cost: half sum of squares on the fitted readings, with priors.
     """
 
     free: tuple[Free, ...]
@@ -36,7 +36,6 @@ class Fit:
     run: np.ndarray
     reading: np.ndarray
     cost: float
-    steps: int = 0
 
 
 def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 40, tolerance: float = 3e-4) -> Fit:
@@ -48,20 +47,34 @@ def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 
     Raises:
         BagError: the model diverges under the record's drives.
     """
-    model = weighed.model
-    at = _started(weighed.fitted, free, np.clip(x0, [f.low for f in free], [f.high for f in free]))
-    at = descend(weighed.fitted, free, at, steps=steps, tolerance=tolerance)
-    sensors, run = weighed.sensors(at.s), model.runs(free, at.x)[0]
-    return Fit(tuple(free), at.x, sensors, run, sensors.read(run, model.reading_step, model.starts), at.cost, at.steps)
+    return ended(weighed, descend(weighed.fitted, begun(weighed, free, x0), steps=steps, tolerance=tolerance))
 
 
-def _started(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Point:
-    """A start that does not diverge: of one too bold, half way back to where everything is off or usual, and again."""
-    center = np.array([f.center for f in free])
+def begun(weighed: Weighed, free: Sequence[Free], x0: np.ndarray) -> Point:
+    """Where a fit begins, from which `descend` goes on with `weighed.fitted`: its start (P,), or if that diverges, half way back to where
+    everything is off or usual, and again.
+
+    Raises:
+        BagError: the model diverges under the record's drives.
+    """
+    x, center = np.clip(x0, [f.low for f in free], [f.high for f in free]), np.array([f.center for f in free])
+    part = weighed.fitted
     for _ in range(HALVINGS):
-        run = weighed.model.runs(free, x, weighed.until)[0]
+        run = part.model.runs(free, x, part.until)[0]
         if np.isfinite(run).all():
-            return point(weighed, free, x, run)
+            return point(part, free, x, run)
         x = center + 0.5 * (x - center)
     machine = weighed.model.machine.name
     raise BagError(f"The model of {machine} diverges under the recorded drives: check units and numbers of the model, or the drives.")
+
+
+def ended(weighed: Weighed, at: Point) -> Fit:
+    """The fit that ends at a point, with a run of the whole record."""
+    model, sensors = weighed.model, weighed.sensors(at.s)
+    run = model.runs(at.free, at.x)[0]
+    return Fit(at.free, at.x, sensors, run, sensors.read(run, model.reading_step, model.starts), at.cost)
+
+
+def explains(weighed: Weighed, reading: np.ndarray) -> bool:
+    """Whether readings leave little more than the noise, so that no other start is worth its time."""
+    return bool(weighed.missed(reading).max() < ROUGH)

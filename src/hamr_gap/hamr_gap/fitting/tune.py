@@ -9,7 +9,7 @@ import numpy as np
 from hamr_dynamics.machine import Machine
 
 from ..data.record import Record
-from .fit import ROUGH, Fit, fit
+from .fit import Fit, explains, fit
 from .initial_states import InitialStates
 from .model import BAND, START, Model
 from .parameters import CHANGE_SD, Free, changes
@@ -62,7 +62,7 @@ def tune(machine: Machine, record: Record, noise: np.ndarray, *, whole: bool = F
         best = _halved(machine, record, noise, held, best)
     if not whole and not record.driven.any():
         best = _doubled(best)
-    if not best.weighed.model.starts and best.weighed.missed(best.fit.reading).max() > ROUGH:
+    if not best.weighed.model.starts and not explains(best.weighed, best.fit.reading):
         best = _led_by_pieces(best)
     return best
 

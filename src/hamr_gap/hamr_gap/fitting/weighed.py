@@ -84,8 +84,8 @@ class Weighed:
         return tuple(sorted(set(range(len(self.sigma))) - {c for c, _ in began}))
 
     def missed(self, reading: np.ndarray) -> np.ndarray:
-        """(channels,) rms, in units of the noise, by which readings miss those that count."""
-        return np.sqrt(np.nanmean(np.where(self.chosen, self.left(reading), np.nan) ** 2, axis=0))
+        """(channels,) rms, in units of the noise, by which readings (n, channels), n at least `until`, miss those that count."""
+        return np.sqrt(np.nanmean(np.where(self.chosen[: len(reading)], self.left(reading), np.nan) ** 2, axis=0))
 
     @property
     def sensor_count(self) -> int:

@@ -9,8 +9,9 @@ from itertools import chain
 import numpy as np
 
 from ..fitting.corrected import Corrected
-from ..fitting.fit import ROUGH, Fit, fit
+from ..fitting.fit import Fit, fit
 from ..fitting.parameters import Candidate, Free, effect_parameters
+from ..fitting.race import raced
 from ..fitting.threads import at_once
 from ..fitting.weighed import Weighed
 from .screen import BATCH, Screen, Solution
@@ -21,8 +22,6 @@ SEEN = 0.05  # of its response, that a size with a threshold must show in a solu
 BLOCKS = 24  # of the judged readings, for spread
 FEWEST = 6  # pieces that are blocks of their own, and blocks there must be
 MOVES = 3.0  # standard deviations of the noise, by which a sensor's readings vary within a block that tells something
-FEW, SOON = 4, 3e-3  # steps, and relative decrease of cost, after which fits of several sets end at first
-NEAR, FAR = 1.1, 4.0  # times the least cost, up to which they go on to the end, or at all
 
 
 @dataclass(frozen=True)
@@ -156,17 +155,5 @@ def settled(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> Hypothesis:
 def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start]) -> list[Hypothesis]:
     """Fits several sets for good, those that come nowhere near the best only until steps gain little."""
     found = list(found)
-    return [judge(weighed, judged, start.effects, f) for start, f in zip(found, raced(weighed, found, NEAR), strict=True)]
-
-
-def raced(weighed: Weighed, found: Sequence[Start], near: float) -> list[Fit]:
-    """Fits of several sets, on to the end only of those that cost less than so many times the least.
-
-    Where one comes near the noise in a few steps, those far from it by then are left there.
-    """
-    begun = at_once(lambda start: fit(weighed, start.free, start.x, steps=FEW, tolerance=SOON), found)
-    explained = any(weighed.missed(f.reading).max() < ROUGH for f in begun)
-    far = FAR * min((f.cost for f in begun), default=0.0) if explained else np.inf
-    on = at_once(lambda f: fit(weighed, f.free, f.x, tolerance=SOON) if f.steps == FEW and f.cost < far else f, begun)
-    least = min((f.cost for f in on), default=0.0)
-    return at_once(lambda f: fit(weighed, f.free, f.x) if f.cost < near * least else f, on)
+    fits = raced(weighed, ((start.free, start.x) for start in found))
+    return [judge(weighed, judged, start.effects, f) for start, f in zip(found, fits, strict=True)]

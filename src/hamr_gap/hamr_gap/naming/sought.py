@@ -11,10 +11,11 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ..fitting.fit import ROUGH, fit
+from ..fitting.fit import explains, fit
+from ..fitting.race import raced
 from ..fitting.threads import at_once
 from ..fitting.weighed import Weighed
-from .hypothesis import Hypothesis, Start, judge, raced, refined
+from .hypothesis import Hypothesis, Start, judge, refined
 
 NEAR = 3.0  # times the least that short pieces leave, up to which a set is fitted to free runs again
 GAINS = 0.9  # of the cost of a fit that nothing led
@@ -35,14 +36,14 @@ def sought(
     found = list(found)
     fitted = refined(weighed, judged, found)
     free = rough and fitted and not weighed.model.starts
-    if not free or any(weighed.missed(h.fit.reading).max() < ROUGH for h in (*fitted, *known)):
+    if not free or any(explains(weighed, h.fit.reading) for h in (*fitted, *known)):
         return fitted
     return [*fitted, *_led(weighed, judged, found, fitted)]
 
 
 def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Those of some sets that short pieces lead to less."""
-    begun = raced(weighed.in_pieces, found, NEAR)
+    begun = raced(weighed.in_pieces, ((s.free, s.x) for s in found), NEAR)
     least = min((f.cost for f in begun), default=0.0)
     near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
     again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)
