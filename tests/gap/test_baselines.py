@@ -25,7 +25,7 @@ from hamr_gap.data.record import Record
 from hamr_gap.fitting.parameters import Candidate, effect_parameters
 from hamr_gap.fitting.weighed import Sensors
 from hamr_gap.naming.prepare import prepare
-from hamr_gap.naming.search import noise_floor
+from hamr_gap.naming.tried import noise_floor
 
 STEP, COUNT, FINER = 1e-3, 6000, 4
 STIFFNESS, DAMPING, GAIN = (2 * np.pi * 20.0) ** 2, 12.0, 1000.0

@@ -21,7 +21,7 @@ from hamr_gap.judging.weigh import SHARPNESS, floor_of, least_told
 from hamr_gap.naming.hypothesis import Hypothesis, refine, residual, starts
 from hamr_gap.naming.prepare import Prepared, prepare
 from hamr_gap.naming.screen import screen
-from hamr_gap.naming.search import Search
+from hamr_gap.naming.tried import Search
 
 
 def friction(q: float, v: float) -> float:

@@ -16,6 +16,7 @@ from hamr_gap.naming import single_effects
 from hamr_gap.naming.hypothesis import Start, refine, refined
 from hamr_gap.naming.moves import ALONE, apart, at_both, look, pairs_of, promising, singles
 from hamr_gap.naming.prepare import prepare
+from hamr_gap.naming.tried import Search
 
 
 def test_thresholds_found_at_each_joint_are_tried_together():
@@ -77,7 +78,8 @@ def test_only_what_the_linear_picture_likes_is_simulated_alone_but_all_of_it_in_
     assert {s.effects[0] for s in alone[3]} == set(everything)
     own = [s.cost for s in alone[3] if s.effects[0].name == FRICTION.name]
     assert [s.cost for s in alone[1]] == pytest.approx(own, rel=1e-9)  # what is left out changes nothing for the others
-    pairs = pairs_of(rubbing.weighed, rubbing.judged, rubbing.base.fit, seen, everything, alone[1], rough=False)
+    state = Search(rubbing.weighed, rubbing.base, seen, int(rubbing.judged.sum()))
+    pairs = pairs_of(rubbing.weighed, rubbing.judged, state, everything, alone[1])
     assert {frozenset(c.name for c in h.effects) for h in pairs} >= {frozenset({FRICTION.name, c.name}) for c in BESIDE}
 
 

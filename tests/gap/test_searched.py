@@ -20,8 +20,8 @@ from hamr_gap.naming.candidates import candidates, of_one_size
 from hamr_gap.naming.hypothesis import left_of
 from hamr_gap.naming.moves import look
 from hamr_gap.naming.prepare import prepare
-from hamr_gap.naming.search import Search, noise_floor
 from hamr_gap.naming.searched import gap_searched
+from hamr_gap.naming.tried import Search, noise_floor
 
 LEG = machine_of("simple", "fl")
 

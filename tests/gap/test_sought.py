@@ -20,7 +20,7 @@ from hamr_gap.fitting.race import FEW, raced
 from hamr_gap.fitting.weighed import Weighed
 from hamr_gap.judging import analyse
 from hamr_gap.legs import machine_of
-from hamr_gap.naming import search
+from hamr_gap.naming import search, tried
 from hamr_gap.naming.candidates import candidates
 from hamr_gap.naming.hypothesis import Start, refine, refined
 from hamr_gap.naming.moves import first_families, first_of_each, look, singles
@@ -110,9 +110,12 @@ def test_of_sets_those_that_come_near_the_best_are_fitted_to_the_end(rubbing, mo
 
 
 @pytest.mark.parametrize(("few", "explained", "fits"), [(FEW, True, 1), (FEW, False, 2), (40, False, 1)])
-def test_what_is_far_from_a_set_that_explains_the_record_is_left(rubbing, monkeypatch, few, explained, fits):
-    """After a few steps; where none explains it, all go on that have not ended by then."""
+@pytest.mark.parametrize("known", [True, False])
+def test_what_is_far_from_a_set_that_explains_the_record_is_left(rubbing, monkeypatch, few, explained, fits, known):
+    """After a few steps; where none in the race or known beforehand explains it, all go on that have not ended by then."""
     wrong = bold(rubbing, Candidate("configuration_dependent_damping", "polynomial", (0,)), 0.1)
+    right = bold(rubbing, FRICTION, 0.1)
+    others = [refine(rubbing.weighed, rubbing.judged, right).fit] if known else []
     steps = []
 
     def counted(weighed, at, **how):
@@ -123,8 +126,8 @@ def test_what_is_far_from_a_set_that_explains_the_record_is_left(rubbing, monkey
     monkeypatch.setattr("hamr_gap.fitting.race.descend", counted)
     monkeypatch.setattr("hamr_gap.fitting.race.FEW", few)
     monkeypatch.setattr("hamr_gap.fitting.fit.ROUGH", ROUGH if explained else 0.0)
-    raced(rubbing.weighed, [(start.free, start.x) for start in (bold(rubbing, FRICTION, 0.1), wrong)])
-    assert len(steps) == fits
+    raced(rubbing.weighed, [(start.free, start.x) for start in (wrong, *[right] * (not known))], others)
+    assert len(steps) == fits + (known and not explained)  # to the end, as it is alone
     assert FEW <= steps[0] <= few
 
 
@@ -200,9 +203,9 @@ def test_sets_are_led_only_on_a_record_whose_single_effects_were(sticking, monke
     monkeypatch.setattr(search, "candidates", lambda *_: wanted)
     monkeypatch.setattr(search, "in_other_shapes", lambda *_: [])
     monkeypatch.setattr(search, "without", lambda weighed, judged, h, effect: sticking.base)
-    for limit in ("CLEAR", "FAINT", "ENOUGH"):
-        monkeypatch.setattr(search, limit, 0.0)
-    monkeypatch.setattr(search, "pairs_of", lambda *_, rough: (told.append(rough), 1 / 0))  # no further
+    for module, limit in ((search, "CLEAR"), (tried, "FAINT"), (tried, "ENOUGH")):
+        monkeypatch.setattr(module, limit, 0.0)
+    monkeypatch.setattr(search, "pairs_of", lambda weighed, judged, state, *_: (told.append(state.rough), 1 / 0))  # no further
     for more in (0, 1):
         monkeypatch.setattr(search, "sought", lambda *about, more=more: (found := sought(*about, rough=False)) + found[:1] * more)
         with pytest.raises(ZeroDivisionError):
@@ -216,11 +219,11 @@ def test_simpler_names_are_looked_for_of_what_explains_half_of_the_gap(rubbing, 
     looked = []
     monkeypatch.setattr(search, "candidates", lambda *_: [Candidate(name, form, (0,))])
     monkeypatch.setattr(search, "LARGEST", 1)
-    for move in ("in_its_place", "narrowed", "as_narrow"):
+    for move in ("twins", "in_its_place", "narrowed", "as_narrow"):
         monkeypatch.setattr(search, move, lambda *_, move=move: looked.append(move) or [])
     found = search.search(rubbing.weighed, rubbing.judged, rubbing.base, timed=True)
     assert (0.1 < found.best.left / found.base.left < 0.3) == explains
-    assert looked == ["in_its_place", "narrowed", "as_narrow"] * explains
+    assert looked == ["twins", "in_its_place", "narrowed", "as_narrow"] * explains
 
 
 def test_an_analysis_keeps_linear_algebra_to_one_thread(monkeypatch):

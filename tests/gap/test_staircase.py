@@ -15,8 +15,9 @@ from hamr_gap.fitting.scales import scales_of
 from hamr_gap.fitting.sensors import late
 from hamr_gap.legs import machine_of
 from hamr_gap.naming.prepare import prepare
-from hamr_gap.naming.search import Search, with_steps
+from hamr_gap.naming.search import with_steps
 from hamr_gap.naming.staircase import staircase
+from hamr_gap.naming.tried import Search
 
 TIME = np.arange(24000) / 4000.0
 ANGLE = 0.15 * np.sin(2 * np.pi * 13.0 * TIME) + 0.08 * np.sin(2 * np.pi * 29.3 * TIME + 1.0)

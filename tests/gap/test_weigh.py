@@ -12,7 +12,7 @@ from hamr_gap.fitting.parameters import Candidate
 from hamr_gap.judging.weigh import UNKNOWN, weigh
 from hamr_gap.naming.blocks import better, foreseen
 from hamr_gap.naming.hypothesis import Hypothesis
-from hamr_gap.naming.search import Search
+from hamr_gap.naming.tried import Search
 
 
 def weights(spread: float = 0.01, numbers: dict[str, int] | None = None, **left: float) -> dict[str, float]:

@@ -24,7 +24,8 @@ from ..legs import machine_of, record_of
 from ..naming.candidates import candidates
 from ..naming.hypothesis import Hypothesis, refine, residual, settled, starts
 from ..naming.prepare import Prepared, prepare
-from ..naming.search import Search, search
+from ..naming.search import search
+from ..naming.tried import Search
 from .cases import case_of, recorded, samples_of
 
 SHOWN = 8  # rivals that are written down

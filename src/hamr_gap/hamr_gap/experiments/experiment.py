@@ -18,7 +18,7 @@ from ..judging.weigh import COVERAGE, least_told, log_odds
 from ..naming.blocks import THROUGHOUT
 from ..naming.hypothesis import Hypothesis
 from ..naming.prepare import Prepared
-from ..naming.search import FLOOR_ERROR
+from ..naming.tried import FLOOR_ERROR
 from .apart import Apart, Follower, after, asked, shapes, within
 
 TRIED_S = 4.0  # of each signal, at first

@@ -16,13 +16,15 @@ FEW, SOON = 4, 3e-3  # steps, and relative decrease of cost, after which each wa
 NEAR, FAR = 1.1, 4.0  # times the least cost, up to which they go on to the end, or at all
 
 
-def raced(weighed: Weighed, starts: Iterable[tuple[Sequence[Free], np.ndarray]], near: float = NEAR) -> list[Fit]:
+def raced(
+    weighed: Weighed, starts: Iterable[tuple[Sequence[Free], np.ndarray]], known: Sequence[Fit] = (), *, near: float = NEAR,
+) -> list[Fit]:  # fmt: skip
     """Fits from several starts, on to the end only of those that cost less than `near` times the least.
 
-    Where one comes near the noise in a few steps, those far from it by then are left there.
+    Where one comes near the noise in a few steps, or is known to, those far from it by then are left there.
 
     Args:
-        starts: free numbers, and their values (P,) in scales.
+        starts: free numbers, and their values (P,) in scales. known: other fits of the same readings.
 
     Raises:
         BagError: the model diverges under the record's drives.
@@ -30,8 +32,9 @@ def raced(weighed: Weighed, starts: Iterable[tuple[Sequence[Free], np.ndarray]],
     part = weighed.fitted
     model = part.model
     points = at_once(lambda start: descend(part, begun(weighed, *start), steps=FEW, tolerance=SOON), starts)
-    readings = (part.sensors(at.s).read(at.run, model.reading_step, model.starts) for at in points)
-    far = FAR * min(at.cost for at in points) if any(explains(part, reading) for reading in readings) else np.inf
+    explained = any(explains(part, part.sensors(at.s).read(at.run, model.reading_step, model.starts)) for at in points)
+    explained = explained or any(explains(weighed, fit.reading) for fit in known)
+    far = FAR * min(fit.cost for fit in (*points, *known)) if explained else np.inf
     points = at_once(lambda at: descend(part, at, tolerance=SOON) if at.steps == FEW and at.cost < far else at, points)
-    least = min((at.cost for at in points), default=0.0)
-    return at_once(lambda at: ended(weighed, descend(part, at) if at.cost < near * least else at), points)
+    last = min(far, near * min((at.cost for at in points), default=0.0))
+    return at_once(lambda at: ended(weighed, descend(part, at) if at.cost < last else at), points)

@@ -17,8 +17,8 @@ from ..naming.blocks import better
 from ..naming.candidates import candidates, missing, of_one_size
 from ..naming.hypothesis import Hypothesis, judge, left_of, residual, settled
 from ..naming.prepare import Prepared
-from ..naming.search import Search, noise_floor
 from ..naming.searched import searched
+from ..naming.tried import Search, noise_floor
 from .colour import correlation_time
 from .detect import detectable
 from .stated import Stated, degenerate, poor, stated

@@ -16,7 +16,7 @@ from hamr_dynamics.effects.library import library
 
 from ..naming.blocks import THROUGHOUT, better
 from ..naming.hypothesis import Hypothesis
-from ..naming.search import FLOOR_ERROR, Search
+from ..naming.tried import FLOOR_ERROR, Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left; twice that beyond `UNKNOWN`, where no right name should be
 FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this

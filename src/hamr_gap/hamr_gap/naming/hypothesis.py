@@ -152,8 +152,8 @@ def settled(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> Hypothesis:
     return judge(weighed, judged, h.effects, fit(replace(weighed, coarse=None), h.fit.free, h.fit.x, tolerance=0.0))
 
 
-def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start]) -> list[Hypothesis]:
-    """Fits several sets for good, those that come nowhere near the best only until steps gain little."""
+def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start], known: Iterable[Hypothesis] = ()) -> list[Hypothesis]:
+    """Fits several sets for good, those that come nowhere near the best, or others that are known, only until steps gain little."""
     found = list(found)
-    fits = raced(weighed, ((start.free, start.x) for start in found))
+    fits = raced(weighed, ((start.free, start.x) for start in found), [h.fit for h in known])
     return [judge(weighed, judged, start.effects, f) for start, f in zip(found, fits, strict=True)]

@@ -16,6 +16,7 @@ from ..fitting.weighed import Weighed
 from .hypothesis import Hypothesis, Start, refine, refined, residual, starts
 from .screen import Screen, screen
 from .sought import sought
+from .tried import Search
 
 LIKED = 24  # names simulated alone: those that leave little then stand high in the linear picture about a re-tune
 SHAPES = 2  # sets of shapes of each candidate that are simulated
@@ -26,10 +27,14 @@ ALONE, PROMISING = 20.0, 3.0  # times the cost of the best start, from which one
 MORE = 6  # effects fitted beside others
 
 
-def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None) -> Screen:
-    """The linear picture about a fit, of responses about as large as what a fit (that one, if not another) leaves."""
+def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None, before: Screen | None = None) -> Screen:
+    """The linear picture about a fit, of responses about as large as what a fit (that one, if not another) leaves.
+
+    Args:
+        before: as of `screen`.
+    """
     left = residual(weighed, like or about)[weighed.chosen]
-    return screen(weighed, about, wanted, amplitude=float(np.sqrt(np.mean(left**2))))
+    return screen(weighed, about, wanted, amplitude=float(np.sqrt(np.mean(left**2))), before=before)
 
 
 def singles(weighed: Weighed, about: Fit, seen: Screen, wanted: Sequence[Candidate]) -> list[Start]:
@@ -69,13 +74,13 @@ def in_forms(first: Sequence[Start], found: Sequence[Start], forms: int) -> list
 
 
 def pairs_of(
-    weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, everything: Sequence[Candidate], alone: Sequence[Start],
-    *, rough: bool,
+    weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], alone: Sequence[Start],
 ) -> list[Hypothesis]:  # fmt: skip
     """All pairs in the linear picture, since a pair can explain what neither of its members does; the best simulated, then fitted.
 
-    Of each name the form whose start, `alone`, left least, or what the linear picture likes best. `rough` as of `sought`.
+    Of each name the form whose start, `alone`, left least, or what the linear picture likes best.
     """
+    seen, about = state.seen, state.base.fit
     best = {c: seen.best(c)[0] for c in everything}
     simulated = [start.effects[0] for start in first_of_each(alone, len(alone))]
     form: dict[tuple, Candidate] = {}
@@ -84,7 +89,7 @@ def pairs_of(
     kept = form.values()
     pairs = {(a, b): seen.solve((*best[a].chosen, *best[b].chosen)) for a, b in combinations(kept, 2) if apart(a, b)}
     wanted = sorted(pairs.items(), key=lambda pair: pair[1].cost)[:PAIRS_SEEN]
-    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)), rough=rough)
+    return sought(weighed, judged, promising(first_of_each(starts(weighed, about, seen, wanted), PAIRS)), rough=state.rough)
 
 
 def apart(a: Candidate, b: Candidate) -> bool:
@@ -98,16 +103,12 @@ def _holds(wide: Candidate, simple: Candidate) -> bool:
 
 
 def beside(
-    weighed: Weighed, judged: np.ndarray, others: Hypothesis, everything: Sequence[Candidate], best: Hypothesis, *, rough: bool,
+    weighed: Weighed, judged: np.ndarray, state: Search, others: Hypothesis, everything: Sequence[Candidate],
 ) -> list[Hypothesis]:  # fmt: skip
-    """One more effect beside others, in a linear picture about them; the first name in all its forms.
-
-    Args:
-        best: what leaves least so far. rough: as of `sought`.
-    """
+    """One more effect beside others, in a linear picture about them; the first name in all its forms."""
     wanted = [c for c in everything if all(apart(c, e) for e in others.effects)]
-    found = promising(singles(weighed, others.fit, look(weighed, others.fit, wanted), wanted))
-    added = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [best], rough=rough)
+    found = promising(singles(weighed, others.fit, look(weighed, others.fit, wanted, before=state.seen), wanted))
+    added = sought(weighed, judged, in_forms(first_families(found, MORE), found, 1), [state.best], rough=state.rough)
     fitted = [replace(h, effects=(*others.effects, *h.effects)) for h in added]
     return [*fitted, *at_both(weighed, judged, fitted)]
 

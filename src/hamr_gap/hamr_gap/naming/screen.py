@@ -55,7 +55,7 @@ class Screen:
         columns: of the effects; the first `fixed` of the products belong to what the fit had free, and the sensors.
         groups: (effect, form, place) -> one tuple of columns for each set of shapes.
         fitted: products (G, b, r r) on the fitted readings.
-        ridge: (K,) prior precision of each column.
+        ridge: (K,) prior precision of each column. amplitude: rms of the responses wanted, in units of the noise.
     """
 
     columns: list[Column]
@@ -63,6 +63,7 @@ class Screen:
     groups: dict[tuple[str, str, int], list[tuple[int, ...]]]
     fitted: tuple
     ridge: np.ndarray
+    amplitude: float
 
     def options(self, candidate: Candidate) -> list[tuple[int, ...]]:
         """Sets of columns of a candidate: one for each set of shapes."""
@@ -114,17 +115,20 @@ class Screen:
         return sorted((self.solve(option) for option in self.options(candidate)), key=lambda s: s.cost)[:count]
 
 
-def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, amplitude: float) -> Screen:
+def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, amplitude: float, before: Screen | None = None) -> Screen:
     """The linear picture of all candidates about a fit.
 
     Args:
         amplitude: rms of the responses wanted, in units of the noise: about that of what is to be explained, so that laws with a
             threshold are seen at the size they must have.
+        before: a picture of the same machine, whose sizes are near those wanted.
     """
     weighed = weighed.fitted
     model, scales, until = weighed.coarse or weighed.model, weighed.model.scales, weighed.until
     plain = model.runs(base.free, base.x, until)[0]
     columns, groups = _columns(candidates, scales)
+    sizes = {(c.row, c.shapes): _resized(c, amplitude / before.amplitude) for c in before.columns} if before else {}
+    columns = [c if c.parameter.screen else sizes.get((c.row, c.shapes), c) for c in columns]
     home = model.rows(base.free, base.x)[0]
     index = {name: i for i, name in enumerate(model.machine.parameter_rows)}
     chosen = weighed.chosen[:until]
@@ -157,7 +161,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
         for part, found in zip(parts, at_once(lambda part: respond([columns[k] for k in part]), parts), strict=True):
             responses[part] = found
 
-    simulate(np.arange(len(columns)))  # at the typical size, then at the size that matters
+    simulate(np.arange(len(columns)))  # at the typical size, or another picture's, then at the size that matters
     for _ in range(RESIZED):
         responses[_diverged(responses)] = DIVERGED
         rms = np.sqrt(np.mean(np.square(responses[:, chosen]), axis=1))
@@ -172,7 +176,7 @@ def screen(weighed: Weighed, base: Fit, candidates: Sequence[Candidate], *, ampl
     ridge = weighed.doubt(r) * np.concatenate([
         [f.sd**-2.0 for f in base.free], weighed.sensor_precision, [(c.size / (30.0 * c.parameter.typical)) ** 2 for c in columns]
     ])  # fmt: skip
-    return Screen(columns, len(fixed), groups, (a @ a.T, a @ r, float(r @ r)), ridge)
+    return Screen(columns, len(fixed), groups, (a @ a.T, a @ r, float(r @ r)), ridge, amplitude)
 
 
 def _diverged(responses: np.ndarray) -> np.ndarray:

@@ -20,8 +20,9 @@ from .candidates import candidates, of_one_size
 from .hypothesis import Hypothesis, Start, left_of, refined
 from .moves import look
 from .prepare import Prepared, prepare
-from .search import FLOOR_ERROR, Search, noise_floor, search
+from .search import search
 from .sensor_steps import staircases
+from .tried import FLOOR_ERROR, Search, noise_floor
 
 
 def searched(machine: Machine, record: Record, report: Callable[[str], None]) -> tuple[Prepared, Search]:

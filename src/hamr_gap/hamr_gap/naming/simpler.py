@@ -11,6 +11,7 @@ import numpy as np
 from hamr_dynamics.effects.law import Form, Parameter
 from hamr_dynamics.effects.library import library
 
+from ..fitting.fit import Fit, fit
 from ..fitting.parameters import Candidate, effect_parameters
 from ..fitting.weighed import Weighed
 from .candidates import candidates
@@ -23,6 +24,12 @@ HARMLESS = 1.1  # times what was left before
 def without(weighed: Weighed, judged: np.ndarray, h: Hypothesis, effect: Candidate) -> Hypothesis:
     """A hypothesis fitted again without one of its effects."""
     return refine(weighed, judged, _less(h, tuple(c for c in h.effects if c != effect)))
+
+
+def bare(weighed: Weighed, h: Hypothesis) -> Fit:
+    """The re-tune that was found with effects, without them."""
+    alone = _less(h, ())
+    return fit(weighed, alone.free, alone.x, steps=0)
 
 
 def narrowed(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> list[Hypothesis]:

@@ -29,7 +29,7 @@ def single_starts(
     found = singles(weighed, base.fit, seen, everything)
     given, liked = fit(weighed, base.fit.free, np.zeros(len(base.fit.free)), steps=0), []
     if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
-        found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit), everything))
+        found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit, before=seen), everything))
     near = promising(found, ALONE)
     wanted = in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
     wanted += _by_pieces(weighed, judged, base, everything)

@@ -43,7 +43,7 @@ def sought(
 
 def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Those of some sets that short pieces lead to less."""
-    begun = raced(weighed.in_pieces, ((s.free, s.x) for s in found), NEAR)
+    begun = raced(weighed.in_pieces, ((s.free, s.x) for s in found), near=NEAR)
     least = min((f.cost for f in begun), default=0.0)
     near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
     again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)

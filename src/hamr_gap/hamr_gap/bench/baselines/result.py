@@ -13,7 +13,7 @@ from ...judging.analyse import SIGNIFICANT
 from ...naming.blocks import better
 from ...naming.hypothesis import Hypothesis, judge, left_of
 from ...naming.prepare import Prepared
-from ...naming.search import noise_floor
+from ...naming.tried import noise_floor
 
 
 @dataclass(frozen=True)
