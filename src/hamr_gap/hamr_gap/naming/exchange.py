@@ -13,7 +13,7 @@ from .moves import beside, first_of_each, look, singles
 from .simpler import bare, without
 from .tried import RIVAL, Search
 
-TWINS, ALIKE = 4, 0.25  # names fitted in the place of another, and how much their starts may leave of what it explains
+TWINS, ALIKE = 4, 0.5  # names fitted in the place of another, and how much the linear picture may leave of what it explains
 
 
 def exchange(weighed: Weighed, judged: np.ndarray, state: Search, everything: Sequence[Candidate], known: Hypothesis) -> None:
@@ -46,5 +46,5 @@ def twins(weighed: Weighed, judged: np.ndarray, state: Search, everything: Seque
     wanted = [o for o in everything if set(o.joints) <= set(c.joints) and frozenset({o.name}) not in known]
     seen = look(weighed, alone, wanted, before=state.seen)
     alike = [o for o in wanted if seen.best(o)[0].cost < ALIKE * alone.cost]
-    found = [start for start in singles(weighed, alone, seen, alike) if start.cost < ALIKE * alone.cost]
-    state.tried += refined(weighed, judged, first_of_each(found, TWINS), [state.best])
+    found = first_of_each(singles(weighed, alone, seen, alike), TWINS)
+    state.tried += refined(weighed, judged, found, [state.best])
