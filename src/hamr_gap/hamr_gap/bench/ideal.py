@@ -28,7 +28,7 @@ from ..naming.search import search
 from ..naming.tried import Search
 from .cases import case_of, recorded, samples_of
 
-SHOWN = 8  # rivals that are written down
+SHOWN = 8  # rivals that are written down, besides the re-tune
 FORMS = 12  # of the right names that are fitted at most
 
 
@@ -47,7 +47,8 @@ def ideal(case: Case) -> dict:
     """d' of every set of names against the noise-free truth, and the right names' fits.
 
     Returns:
-        rivals: [[effects], d'], least first; nothing is the re-tune alone. forms: of the right names, {form: parameters in SI}.
+        rivals: [[effects], d'], least first; nothing is the re-tune alone, which is always among them.
+        forms: of the right names, {form: parameters in SI}.
     """
     prepared, state, noise = noise_free(case)
     own = fits_of(prepared, state, truth_of(case))
@@ -58,7 +59,7 @@ def ideal(case: Case) -> dict:
     best_of = {h.effects: h for h in sorted(own, key=lambda h: -h.fit.cost)}  # of several fits of one form the best counts
     last = [settled(prepared.weighed, prepared.judged, h) for h in best_of.values()]
     forms = {" + ".join(c.form for c in h.effects): [asdict(e) for e in stated(prepared, h).effects] for h in last}
-    return {"rivals": rivals[:SHOWN], "forms": forms}
+    return {"rivals": [rival for i, rival in enumerate(rivals) if i < SHOWN or not rival[0]], "forms": forms}
 
 
 def said(h: Hypothesis) -> list:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ..fitting.fit import explains, fit
-from ..fitting.race import FEW, raced
+from ..fitting.race import raced
 from ..fitting.threads import at_once
 from ..fitting.weighed import Weighed
 from .hypothesis import Hypothesis, Start, judge, refined
@@ -42,11 +42,9 @@ def sought(
 
 
 def _led(weighed: Weighed, judged: np.ndarray, found: Sequence[Start], fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Those of some sets that short pieces lead to less, and soon: what gains nothing in a few steps from there gains nothing later."""
+    """Those of some sets that short pieces lead to less."""
     begun = raced(weighed.in_pieces, ((s.free, s.x) for s in found), near=NEAR)
     least = min((f.cost for f in begun), default=0.0)
     near = [(start, f.x, h.fit.cost) for start, f, h in zip(found, begun, fitted, strict=True) if f.cost < NEAR * least]
-    few = at_once(lambda at: fit(weighed, at[0].free, at[1], steps=FEW), near)
-    gaining = [(start, f) for (start, _, cost), f in zip(near, few, strict=True) if f.cost < GAINS * cost]
-    again = at_once(lambda at: fit(weighed, at[1].free, at[1].x), gaining)
-    return [judge(weighed, judged, start.effects, f) for (start, _), f in zip(gaining, again, strict=True)]
+    again = at_once(lambda at: fit(weighed, at[0].free, at[1]), near)
+    return [judge(weighed, judged, at[0].effects, f) for at, f in zip(near, again, strict=True) if f.cost < GAINS * at[2]]
