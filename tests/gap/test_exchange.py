@@ -24,7 +24,7 @@ CUT = Candidate("drive_saturation", "sides", (0,))
 
 @pytest.fixture(scope="module")
 def cut() -> Prepared:
-    """At 30 V, less than what the drive is on average."""
+    """At 30 V, where the drive is 40 V rms."""
     return prepare(machine_of("simple", "fl"), shaken("drive_saturation.sides", {"upper.0": 1.0 / 30.0}))
 
 
@@ -45,7 +45,7 @@ def looked(cut: Prepared, *tried: Hypothesis) -> list[Hypothesis]:
 
 
 def test_another_name_is_found_about_the_re_tune_that_was_found_with_one(cut, gain):
-    """The one that was found without is half way to the cut."""
+    """About the one that was found without it does not come near."""
     found = looked(cut, gain)
     best = min(found, key=lambda h: h.left)
     assert best.names == frozenset({CUT.name})

@@ -52,7 +52,7 @@ def test_responses_of_about_the_size_wanted_serve_as_they_are(rubbing, monkeypat
 
 
 def test_sizes_of_another_picture_serve_about_another_fit(rubbing, monkeypatch):
-    """In proportion to what is to be explained: hardly any is simulated twice, and what they say is the same."""
+    """In proportion to what is to be explained: fewer are simulated twice, at sizes about as large."""
     wanted = [FRICTION, *BESIDE, Candidate("drive_saturation", "hard", (1,))]
     first = look(rubbing.weighed, rubbing.base.fit, wanted)
     simulated = []

@@ -36,6 +36,7 @@ def _judged_by_the_fitted(model, seconds_per_t: float, roles_of=roles.roles_of):
 STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "pairs": ((search, "pairs_of", lambda *_: []),),
     "exchange": ((search, "exchange", lambda *_: None),),
+    "twins": ((search, "twins", lambda *_: None),),
     "fewer": ((search, "narrowed", lambda *_: []), (search, "in_its_place", lambda *_: [])),
     "forms": ((single_effects, "ALL_FORMS", 0),),
     "doubt": ((weighed.Weighed, "doubt", lambda *_: 1.0),),

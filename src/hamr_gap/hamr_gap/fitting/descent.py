@@ -18,6 +18,7 @@ TRIALS = (
     (np.array([2.0, 1.0, 0.7, 0.4, 0.2]), np.array([1e-2, 0.1, 1.0])),
     (np.array([4.0, 0.1, 0.05, 0.02, 0.007]), np.array([1e-4, 1e-3, 10.0])),
 )
+STEPS, TOLERANCE = 40, 3e-4  # of a fit, unless asked otherwise: steps at most, and relative decrease of cost at which it ends
 KEPT = 0.3  # of what derivatives promise: where a step gains so much, no others are tried
 DELTAS = (1e-4, 1e-3, 5e-3, 2e-2)  # of derivatives, as `jacobian` has them: what sticks and slips looks rough from near by
 FORESEEN = 0.01  # of the cost: if derivatives promise more than this and nothing is gained, larger ones are tried
@@ -49,7 +50,7 @@ def point(weighed: Weighed, free: Sequence[Free], x: np.ndarray, run: np.ndarray
     return Point(tuple(free), x, run, s, cost + doubt * _prior(free, x))
 
 
-def descend(weighed: Weighed, at: Point, *, steps: int = 40, tolerance: float = 3e-4) -> Point:
+def descend(weighed: Weighed, at: Point, *, steps: int = STEPS, tolerance: float = TOLERANCE) -> Point:
     """Where Gauss-Newton steps lead from a point.
 
     Args:

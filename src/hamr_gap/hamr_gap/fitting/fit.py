@@ -12,7 +12,7 @@ import numpy as np
 
 from hamr_description.errors import BagError
 
-from .descent import Point, descend, point
+from .descent import STEPS, TOLERANCE, Point, descend, point
 from .parameters import Free
 from .sensors import Sensors
 from .weighed import Weighed
@@ -38,7 +38,7 @@ class Fit:
     cost: float
 
 
-def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = 40, tolerance: float = 3e-4) -> Fit:
+def fit(weighed: Weighed, free: Sequence[Free], x0: np.ndarray, *, steps: int = STEPS, tolerance: float = TOLERANCE) -> Fit:
     """Least squares over free parameters and sensors from a start strictly inside the bounds.
 
     Args:
