@@ -23,6 +23,15 @@ def test_a_trot_leaves_the_noise_and_nothing_else():
     assert walk.noise.angle == pytest.approx(worse * walked()[0].noise.angle)
 
 
+def test_coarse_encoders_are_no_reason_to_refuse_a_walk_whose_starts_can_be_told():
+    walk, _ = walked()
+    share = 0.02  # of the range: a gentle pronk by encoders of 0.9 % of the stroke
+    coarse = walk.angles + share * np.ptp(walk.angles, axis=0) * np.random.default_rng(3).standard_normal(walk.angles.shape)
+    followed, worse = followable(Robot("simple"), replace(walk, angles=coarse), LENGTH_MS)
+    assert worse < 1.1
+    assert np.median(followed.noise.angle / np.ptp(walk.angles, axis=0)) == pytest.approx(share, rel=0.2)
+
+
 def test_a_robot_of_our_own_walks_under_the_drives_of_the_other():
     walk, _ = walked()
     own, again = (walk_of(Robot("simple"), walk) for _ in range(2))

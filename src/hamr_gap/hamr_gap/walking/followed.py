@@ -17,7 +17,7 @@ from .starts import start
 from .walk import Noise, Walk, joined, turned
 
 STRETCH_MS, STRETCHES = 64.0, 24  # of what the model walks: a segment, what leads up to it, and poses to either side
-COARSEST = 0.01  # of the range of the angles: sensors as bad as that are the worst that say anything
+COARSEST = 0.01  # of the range of the angles, by which starts may miss them beside the sensors' noise
 
 
 def followable(robot: Robot, walk: Walk, length_ms: float) -> tuple[Walk, float]:
@@ -36,7 +36,7 @@ def followable(robot: Robot, walk: Walk, length_ms: float) -> tuple[Walk, float]
     replay = Replay.of(robot, segments(own, length_ms=length_ms, every_ms=STRETCH_MS))
     left, _ = trimmed(start(replay, Setting()).residual[:, :-CHANGES])
     factor, noise = max(1.0, float(np.sqrt(left))), walk.noise
-    share = factor * float(np.median(noise.angle / np.ptp(walk.angles, axis=0)))
+    share = np.sqrt(factor**2 - 1.0) * float(np.median(noise.angle / np.ptp(walk.angles, axis=0)))
     if not share < COARSEST:
         raise BagError(
             f"This walk cannot be followed: a robot that is the model exactly would miss its own angles by {100 * share:.1f} % of their "
