@@ -203,7 +203,7 @@ def test_sets_are_led_only_on_a_record_whose_single_effects_were(sticking, monke
     monkeypatch.setattr(search, "candidates", lambda *_: wanted)
     monkeypatch.setattr(search, "in_other_shapes", lambda *_: [])
     monkeypatch.setattr(search, "without", lambda weighed, judged, h, effect: sticking.base)
-    for module, limit in ((search, "CLEAR"), (tried, "FAINT"), (tried, "ENOUGH")):
+    for module, limit in ((search, "CLEAR"), (search, "LONELY"), (tried, "FAINT"), (tried, "ENOUGH")):
         monkeypatch.setattr(module, limit, 0.0)
     monkeypatch.setattr(search, "pairs_of", lambda weighed, judged, state, *_: (told.append(state.rough), 1 / 0))  # no further
     for more in (0, 1):
@@ -224,6 +224,23 @@ def test_simpler_names_are_looked_for_of_what_explains_half_of_the_gap(rubbing, 
     found = search.search(rubbing.weighed, rubbing.judged, rubbing.base, timed=True)
     assert (0.1 < found.best.left / found.base.left < 0.3) == explains
     assert looked == ["twins", "in_its_place", "narrowed", "as_narrow"] * explains
+
+
+@pytest.mark.parametrize(("form", "alone"), [("presliding", True), ("sign", False)])
+def test_pairs_without_an_effect_that_leaves_little_are_not_fitted(rubbing, monkeypatch, form, alone):
+    """Others stand beside it."""
+    told = []
+    monkeypatch.setattr(search, "candidates", lambda *_: [Candidate("coulomb_friction", form, (0,))])
+    for module, limit in ((search, "CLEAR"), (tried, "FAINT"), (tried, "ENOUGH")):
+        monkeypatch.setattr(module, limit, 0.0)
+    monkeypatch.setattr(search, "LARGEST", 2)
+    for move in ("pairs_of", "beside"):
+        monkeypatch.setattr(search, move, lambda *_, move=move: told.append(move) or [])
+    for move in ("exchange", "twins", "_simplify"):
+        monkeypatch.setattr(search, move, lambda *_: None)
+    found = search.search(rubbing.weighed, rubbing.judged, rubbing.base, timed=True)
+    assert (found.best.left < 0.1 * found.base.left) == alone
+    assert told == ["pairs_of"] * (not alone) + ["beside"]
 
 
 def test_an_analysis_keeps_linear_algebra_to_one_thread(monkeypatch):

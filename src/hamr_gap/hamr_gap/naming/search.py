@@ -19,6 +19,7 @@ from .tried import Search, noise_floor
 
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 LARGEST = 3  # effects at once
+LONELY = 0.1  # of the gap: an effect that leaves less is one of the answer, and no pairs are fitted without it
 HOPELESS = 0.5  # of the gap: what leaves more is no name, and no simpler one is looked for
 LED = 2  # effects that may lead to a better re-tune
 BETTER = 0.95  # of its cost
@@ -62,7 +63,8 @@ def search(
             break
         report(f"sets of {size}")
         smaller = state.best_of(size - 1)
-        state.tried += pairs_of(weighed, judged, state, everything, alone) if size == 2 else []
+        if size == 2 and before > LONELY * (state.base.left - state.floor):
+            state.tried += pairs_of(weighed, judged, state, everything, alone)
         state.tried += beside(weighed, judged, state, smaller, everything)
         if state.best.left - state.floor > NEEDED * before:
             break
