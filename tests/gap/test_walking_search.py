@@ -10,10 +10,10 @@ import pytest
 
 from hamr_gap.fitting.parameters import Free
 from hamr_gap.judging.interval import NORMAL_95
-from hamr_gap.naming.hypothesis import Hypothesis
 from hamr_gap.walking import again, analyse, candidates, looks, screen, search
 from hamr_gap.walking.fit import Fit
 from hamr_gap.walking.found import _intervals
+from hamr_gap.walking.left import Judged
 from hamr_gap.walking.segments import CHANGES
 from hamr_gap.walking.setting import Candidate, Setting
 from hamr_gap.walking.state import Search
@@ -35,15 +35,17 @@ class Segments(list):
         return Segments(len(which))
 
 
-def left(share: float, *effects: Candidate) -> Hypothesis:
+def left(share: float, *effects: Candidate) -> Judged:
     fitted = SimpleNamespace(model=None, free=(), x=None, change=None)
-    return Hypothesis(effects, fitted, share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))))
+    return Judged(effects, fitted, share, share * (1.0 + 0.01 * np.sin(np.arange(24.0))), np.full(7, share))
 
 
-def searched(base: float, *tried: Hypothesis) -> Search:
+def searched(base: float, *tried: Judged) -> Search:
     judged = SimpleNamespace(observed=SimpleNamespace(readings=100))
     parts = {"fit": None, "select": type("Judged", (SimpleNamespace,), {"__len__": lambda _: 64})(**vars(judged))}
-    prepared = SimpleNamespace(base=left(base), floor=FLOOR, least=LEAST, numerical=0.1, coarse=False, parts=parts, raw=left(2.0 * base))
+    prepared = SimpleNamespace(
+        base=left(base), floor=FLOOR, least=LEAST, numerical=0.1, coarse=False, gap=True, parts=parts, raw=left(2.0 * base)
+    )
     return Search(prepared, list(tried))
 
 
@@ -108,10 +110,10 @@ def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, cost, left_, ad
     free = [Free(name, 1.0, low, np.inf, 0.0, 1.0) for name, low in (("a", -np.inf), ("b", 0.0))]
     found = Fit(tuple(free), np.array([1.0, 0.5]), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.diag([100.0, 4.0]), 0.5)
     there = replace(found, x=found.x + [1.0, 0.0], cost=cost, away=0.0)
-    state, begun = searched(9.0, Hypothesis((SLOPE,), found, 2.0, np.ones(24))), []
+    state, begun = searched(9.0, Judged((SLOPE,), found, 2.0, np.ones(24), np.ones(7))), []
     state.prepared.from_ = lambda best: SimpleNamespace(base=state.base, begun=best)
     monkeypatch.setattr(again, "_from", lambda state, found, x: begun.append(x) or there)
-    monkeypatch.setattr(again, "_settled", lambda _, *fits: len(fits) == 2 and Hypothesis((SLOPE,), fits[0], left_, np.ones(24)))
+    monkeypatch.setattr(again, "_settled", lambda _, *fits: len(fits) == 2 and Judged((SLOPE,), fits[0], left_, np.ones(24), np.ones(7)))
     again.shake(state)
     (h,) = state.tried
     assert state.prepared.begun is h.fit
@@ -125,8 +127,8 @@ def test_the_best_is_fitted_from_far_to_either_side(monkeypatch, cost, left_, ad
 def test_what_was_seen_of_other_minima_holds_in_finer_steps(monkeypatch):
     found = Fit((), np.zeros(2), (SLOPE,), np.zeros(0), np.zeros(0), 9.0, np.eye(2), 3.0)
     monkeypatch.setattr(again, "fit", lambda *_: replace(found, away=0.0))
-    monkeypatch.setattr(again, "_settled", lambda _, again: Hypothesis((SLOPE,), again, 1.0, np.ones(24)))
-    assert again._anew(searched(9.0), Hypothesis((SLOPE,), found, 2.0, np.ones(24))).fit.away == 3.0
+    monkeypatch.setattr(again, "_settled", lambda _, again: Judged((SLOPE,), again, 1.0, np.ones(24), np.ones(7)))
+    assert again._anew(searched(9.0), Judged((SLOPE,), found, 2.0, np.ones(24), np.ones(7))).fit.away == 3.0
 
 
 def test_intervals_are_as_wide_as_fits_end_apart():

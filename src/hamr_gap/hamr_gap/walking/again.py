@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..naming.hypothesis import Hypothesis
 from .fit import Fit, fit, kept
-from .left import left_of
+from .left import Judged, left_of
 from .looks import RIVAL, inside
 from .prepare import settled
 from .setting import setting
@@ -72,7 +71,7 @@ def shake(state: Search) -> None:
     state.prepared = state.prepared.from_(state.best.fit)
 
 
-def _anew(state: Search, h: Hypothesis) -> Hypothesis:
+def _anew(state: Search, h: Judged) -> Judged:
     """Fitted again with the steps of now; what was seen of its other minima still holds."""
     again = fit(state.prepared.parts["fit"], h.fit.free, h.fit.x, h.effects, h.fit.change)
     return _settled(state, replace(again, away=h.fit.away))
@@ -91,9 +90,9 @@ def _from(state: Search, found: Fit, x: np.ndarray) -> Fit:
     return fit(replay, found.free, x, found.effects, start(replay, setting(found.free, x, found.effects)).change)
 
 
-def _settled(state: Search, *begun: Fit) -> Hypothesis:
+def _settled(state: Search, *begun: Fit) -> Judged:
     """The best of fits, each taken up again from better starts."""
     parts = state.prepared.parts
     found = kept(*(settled(parts["fit"], each, TIMES) for each in begun))
     left = left_of(parts["select"], best_start(parts["select"], found.model, state.prepared.starts["select"].change))
-    return Hypothesis(found.effects, found, *left)
+    return Judged(found.effects, found, *left)

@@ -11,7 +11,7 @@ from ..judging.analyse import CONFIRMED, SIGNIFICANT
 from ..judging.weigh import Weight, credible, weigh
 from ..naming.blocks import better
 from ..naming.hypothesis import Hypothesis
-from .left import left_of
+from .left import exceeds, left_of
 from .search import search
 from .starts import start
 from .state import Search
@@ -57,13 +57,13 @@ def analyse(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: 
     prepared = state.prepared
     weights = weigh(state, prepared.least)
     evidence = _evidence(state)
-    if state.base.left - state.best.left > prepared.least and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED:
+    if state.gains and evidence[0] > SIGNIFICANT and evidence[1] > CONFIRMED:
         chosen = credible(weights)
         word = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
         return Analysis(state, weights, word, chosen, chosen[0].hypothesis or state.base, evidence)
     if state.base.left > UNEXPLAINED * state.floor:
         return Analysis(state, weights, "unknown", [Weight(None, 1.0, 1.0)], state.base, evidence)
-    tuned = better(prepared.raw.blocks, state.base.blocks) > SIGNIFICANT and prepared.raw.left - state.base.left > prepared.least
+    tuned = better(prepared.raw.blocks, state.base.blocks) > SIGNIFICANT and exceeds(prepared.raw, state.base, prepared.least)
     return Analysis(state, weights, "parameters_only" if tuned else "no_significant_gap", [], state.base, evidence)
 
 

@@ -73,6 +73,11 @@ class Observed:
         poses *= self.there[..., None, None]
         return np.concatenate([angles.reshape(s, -1, 11), poses.reshape(s, -1, 11)], 1)
 
+    def parts(self, each: np.ndarray) -> np.ndarray:
+        """(7,) means of what readings (s, readings) have: of all angles, and of each axis of the chassis (position, turn)."""
+        angles, poses = each[:, : self.angle_readings], each[:, self.angle_readings :].reshape(len(each), -1, 6)
+        return np.array([angles.mean(), *poses[self.there].mean(0)])
+
     @property
     def angle_readings(self) -> int:
         """How many of the readings are angles; they come first."""

@@ -9,10 +9,9 @@ import numpy as np
 
 from ..fitting.parameters import Free
 from ..fitting.weighed import SMALLEST
-from ..naming.hypothesis import Hypothesis
 from .fit import SETTLED, Fit, fit, kept, limited
 from .followed import followable
-from .left import left_of, trimmed
+from .left import Judged, floors, left_of, trimmed
 from .replay import Replay
 from .robot import Numerics, Robot
 from .roles import roles
@@ -41,8 +40,8 @@ class Prepared:
 
     parts: dict[str, Replay]
     starts: dict[str, Started]
-    raw: Hypothesis
-    base: Hypothesis
+    raw: Judged
+    base: Judged
     numerical: float
     floor: float
     worse: float
@@ -52,6 +51,13 @@ class Prepared:
         """Mean square that counts as a gap: more than the simulation's own error, and a quarter of a sample's noise."""
         return max(self.parts["fit"].observed.mean * SMALLEST**2, (0.5 * self.numerical) ** 2)
 
+    @property
+    def gap(self) -> bool:
+        """Whether the re-tuned model leaves that much beside the noise, in all readings or in a part of them."""
+        replay, begun = self.parts["select"], self.starts["select"]
+        noise = floors(replay, replay.slopes(begun.change, begun.residual, self.base.fit.model))
+        return bool(max(self.base.left - self.floor, *(self.base.parts - noise)) > self.least)
+
     def from_(self, other: Fit) -> Prepared:
         """The same re-tuned from where a fit with effects has it, if that leaves less: an effect must not win by a better re-tune."""
         replay, free = self.parts["fit"], self.base.fit.free
@@ -59,7 +65,7 @@ class Prepared:
         if tuned.cost >= self.base.fit.cost:
             return self
         starts = {role: best_start(self.parts[role], tuned.model, begun.change) for role, begun in self.starts.items()}
-        return replace(self, base=Hypothesis((), tuned, *left_of(self.parts["select"], starts["select"])), starts=starts)
+        return replace(self, base=Judged((), tuned, *left_of(self.parts["select"], starts["select"])), starts=starts)
 
     @property
     def coarse(self) -> bool:
@@ -76,7 +82,7 @@ class Prepared:
         raw = start(parts["select"], Setting(), self.raw.fit.change)
         return _prepared(parts, tuned, starts, raw, HALVED * self.numerical, self.worse)
 
-    def judge(self, role: str, model: Setting) -> tuple[float, np.ndarray]:
+    def judge(self, role: str, model: Setting) -> tuple[float, np.ndarray, np.ndarray]:
         """What a model leaves of a role's readings (`left_of`), its starts fitted on from those of the re-tuned one."""
         return left_of(self.parts[role], start(self.parts[role], model, self.starts[role].change))
 
@@ -106,7 +112,7 @@ def _prepared(
     parts: dict[str, Replay], tuned: Fit, starts: dict[str, Started], raw: Started, numerical: float, worse: float
 ) -> Prepared:  # fmt: skip
     nothing = Fit((), np.zeros(0), (), raw.change, raw.residual, 0.0, np.zeros((0, 0)))
-    plain, base = (Hypothesis((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
+    plain, base = (Judged((), f, *left_of(parts["select"], begun)) for f, begun in ((nothing, raw), (tuned, starts["select"])))
     return Prepared(parts, starts, plain, base, numerical, 1.0 - CHANGES / parts["fit"].observed.readings, worse)
 
 

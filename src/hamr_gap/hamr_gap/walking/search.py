@@ -17,7 +17,7 @@ def search(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: N
         BagError: the walk cannot be used; one sentence.
     """
     state = Search(prepare(backend, walk, report))
-    if state.base.left - state.floor < state.prepared.least:
+    if not state.prepared.gap:
         return state
     report("screen")
     seen = looks.screen(state)

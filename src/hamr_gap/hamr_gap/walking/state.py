@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..naming.hypothesis import Hypothesis
 from .fit import Fit
+from .left import Judged, exceeds
 from .prepare import Prepared
 
 
@@ -14,15 +14,15 @@ class Search:
     """What was tried: hypotheses with effects, about the re-tuned robot."""
 
     prepared: Prepared
-    tried: list[Hypothesis] = field(default_factory=list)
+    tried: list[Judged] = field(default_factory=list)
 
     @property
-    def base(self) -> Hypothesis:
+    def base(self) -> Judged:
         """The re-tuned model."""
         return self.prepared.base
 
     @property
-    def best(self) -> Hypothesis:
+    def best(self) -> Judged:
         """The one that leaves least."""
         return min([self.base, *self.tried], key=lambda h: h.left)
 
@@ -40,15 +40,15 @@ class Search:
     @property
     def gains(self) -> bool:
         """Whether the best takes off as much as counts as a gap."""
-        return self.base.left - self.best.left > self.prepared.least
+        return exceeds(self.base, self.best, self.prepared.least)
 
-    def judged(self, found: Fit) -> Hypothesis:
+    def judged(self, found: Fit) -> Judged:
         """A fit as a hypothesis, judged on segments that it has not seen."""
-        return Hypothesis(found.effects, found, *self.prepared.judge("select", found.model))
+        return Judged(found.effects, found, *self.prepared.judge("select", found.model))
 
-    def by_names(self) -> dict[frozenset, Hypothesis]:
+    def by_names(self) -> dict[frozenset, Judged]:
         """The best hypothesis for every set of names."""
-        found: dict[frozenset, Hypothesis] = {}
+        found: dict[frozenset, Judged] = {}
         for h in self.tried:
             if h.names not in found or h.left < found[h.names].left:
                 found[h.names] = h
