@@ -150,6 +150,30 @@ def test_pieces_in_which_nothing_counts_are_not_run_and_change_nothing(swinging,
     assert [start.cost for start in few[2]] == [start.cost for start in every[2]]
 
 
+def test_a_run_of_which_nothing_is_left_in_a_double_costs_more_than_any(swinging, monkeypatch):
+    """A trial of 4e33 rad ended an analysis: beside it no prior counts, and bias, gain and lateness of a sensor look the same."""
+    weighed, free = swinging
+    run = weighed.model.runs(free, np.zeros(len(free)), weighed.until)[0]
+    monkeypatch.setattr(np.linalg, "solve", lambda *_: np.linalg.inv(np.zeros((2, 2))))  # "Singular matrix"
+    s, left = weighed.solve_sensors(run)
+    assert left == np.inf
+    assert s.tolist() == [0.0] * len(weighed.sensor_precision)
+
+
+def test_a_fit_begins_nearer_where_a_start_leaves_nothing_in_a_double(swinging, monkeypatch):
+    weighed, free = swinging
+    solve = Weighed.solve_sensors
+    x, asked = np.array([0.4 * f.sd for f in free]), []
+
+    def far(self, run, *about, **how):
+        asked.append(run)
+        return (np.zeros(len(self.sensor_precision)), np.inf) if len(asked) <= 2 else solve(self, run, *about, **how)
+
+    monkeypatch.setattr(Weighed, "solve_sensors", far)
+    center = np.array([f.center for f in free])
+    np.testing.assert_allclose(begun(weighed, free, x).x, center + 0.5 * (x - center))
+
+
 def test_what_diverges_where_nothing_is_fitted_is_no_hypothesis(swinging):
     weighed, free = swinging
     judged = ~weighed.chosen & np.isfinite(weighed.model.target)

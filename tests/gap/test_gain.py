@@ -50,6 +50,27 @@ def test_an_inertia_or_a_force_of_motion_that_bends_tells_it_too(lever, whirl):
     assert free_gains(machine, [True]) == ["change.gain.0"]
 
 
+def test_a_drive_that_does_next_to_nothing_is_no_answer_to_a_joint_that_sticks():
+    """A re-tune had it do a twentieth of what it does, and the names that were looked for about that were wrong."""
+    step, fine, q, v, friction = 5e-3, 40, 0.0, 0.0, 0.2
+    random = np.random.default_rng(2)
+    drive = 2.0 * np.sin(np.cumsum(random.uniform(0.005, 0.05, 3000))) + 2.0 * np.sin(0.01 * np.arange(3000))
+    seen, h = np.empty(len(drive)), step / fine
+    for i, u in enumerate(drive):
+        seen[i] = q
+        for _ in range(fine):
+            v += h * (GAIN * u - WEIGHT * math.sin(q) - DAMPING * v) / INERTIA
+            v = math.copysign(max(abs(v) - h * friction / INERTIA, 0.0), v)  # friction holds what it can
+            q += h * v
+    record = Record(drive[:, None], (seen + random.normal(0.0, 1e-3, len(seen)))[:, None], step, ("arm",), held=True)
+    found = analyse(arm(), record)
+    assert found.verdict.set[0].effects[0].effect == "coulomb_friction"
+    assert found.verdict.set[0].effects[0].parameters["level"]["arm"].value == pytest.approx(friction, rel=0.1)
+    tuned = dict(zip((f.row for f in found.prepared.base.fit.free), found.prepared.base.fit.x, strict=True))
+    assert tuned["change.gain.0"] == -0.5
+    assert any("as little as it may of: gain of arm" in note for note in found.verdict.notes)
+
+
 def test_a_weak_motor_under_a_known_weight_is_a_parameter():
     """Of stiffness, damping and inertia no change makes an arm's weight less: it was called a spring that changes with the angle."""
     step, fine, q, v = 5e-3, 20, 0.0, 0.0

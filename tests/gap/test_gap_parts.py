@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -18,15 +19,17 @@ from hamr_description.errors import BagError
 from hamr_description.names import JOINTS, Topic, drive_sign
 from hamr_dynamics.effects.effects_file import PlacedEffect
 from hamr_gap.answers.answer import answer, merged, place_of
-from hamr_gap.answers.found import Found
+from hamr_gap.answers.found import Found, find
 from hamr_gap.answers.together import together
 from hamr_gap.data.drives_bag import write_drives
 from hamr_gap.data.measured import FIELDS, read
+from hamr_gap.judging.analyse import analyse
 from hamr_gap.judging.table import fit_table
 from hamr_gap.naming.prepare import prepare
 from hamr_gap.progress import side_by_side
 from hamr_gap.showing import emit
-from hamr_gap.showing.words import HEADLINES, sentences
+from hamr_gap.showing.words import HEADLINES, answer_in_words, sentences
+from hamr_gap.study import stored
 
 STEP = 1e-3
 HZ = 4000
@@ -92,7 +95,17 @@ def test_equal_names_of_several_legs_become_one():
     assert one["place"] == "swing"
     level = one["parameters"]["level"]
     assert (level["value"], level["low"], level["high"]) == (2.5, 0.0, 10.0)
-    assert level["at"] == dict(zip(JOINTS[::2], (1.0, 2.0, 3.0, 9.0), strict=True))
+    each = zip(JOINTS[::2], (1.0, 2.0, 3.0, 9.0), strict=True)
+    assert level["at"] == {joint: effect(joint, x)["parameters"]["level"][joint] for joint, x in each}
+
+
+@pytest.mark.parametrize(("other", "said"), [
+    (9.0, "level 1 (0 to 2) N*m at fl_swing and 9 (8 to 10) N*m at fl_lift"), (2.0, "level 1.5 (0 to 3) N*m"),
+])  # fmt: skip
+def test_joints_that_differ_are_said_one_by_one(other, said):
+    """A shoulder's friction and an elbow's were told as one, halfway between."""
+    (one,) = merged([effect("fl_swing", 1.0), effect("fl_lift", other)])
+    assert answer_in_words({"effects": [one]}) == f"backlash (gap) at fl, {said}"
 
 
 def verdict(name: str, *answers: tuple[str, float]) -> Found:
@@ -130,6 +143,19 @@ def test_of_an_unknown_law_what_comes_nearest_is_said():
     nearest = "What comes nearest at arm: lag leaves 50 % of the gap; lag + drag leaves 40 % of the gap."
     assert nearest in sentences(found)
     assert nearest not in sentences(found | {"machines": {"arm": own | {"verdict": "named"}}})
+
+
+@pytest.mark.parametrize(("added", "closed", "said"), [
+    ([], 0.0, "12.00 as given, 6.00 re-tuned."), (["hum"], 0.75, "75.0 % of the re-tuned gap is gone; taken out again, it is 8.00."),
+    (["hum"], -48.6, "What was found does not hold there; taken out again, it is 8.00."),
+])  # fmt: skip
+def test_what_was_found_is_said_to_hold_only_where_it_does(added, closed, said):
+    own = {"verdict": "unknown", "added": [{"effect": name} for name in added], "tried": []}
+    shown = {"data": "other data", "closed": closed, "over_floor": {"raw": 12.0, "retuned": 6.0, "after": 7.0, "removed": 8.0}}
+    found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9}], "machines": {"arm": own}, "shown": shown}
+    last = sentences(found | {"refused": {}, "experiment": None})[-1]
+    assert last.endswith(said)
+    assert ("with what was found" in " ".join(sentences(found | {"refused": {}, "experiment": None}))) == bool(added)
 
 
 @pytest.mark.parametrize(("retuned", "told"), [(1.2, False), (4.0, True)])
@@ -207,9 +233,39 @@ def test_machines_are_analysed_beside_each_other(capfd, monkeypatch):
     assert {process for _, process in side_by_side({"a": partial(job, 1), "b": partial(job, 2)}).values()} == {os.getpid()}
 
 
-def test_a_law_without_a_name_is_found_as_a_table():
-    machine, record = oscillator(lambda q, v: -1500.0 * np.sin(3.0 * q) * np.exp(-((v / 40.0) ** 2)), noise=0.01)
-    prepared = prepare(machine, record)
+@pytest.fixture(scope="module")
+def nameless():
+    """A law without a name."""
+    return oscillator(lambda q, v: -1500.0 * np.sin(3.0 * q) * np.exp(-((v / 40.0) ** 2)), noise=0.01)
+
+
+def test_a_law_without_a_name_is_found_as_a_table(nameless):
+    prepared = prepare(*nameless)
     found = fit_table(prepared)
     assert found.effects[0].effect == "force_table"
     assert found.left - 1.0 < 0.4 * (prepared.base.left - 1.0)
+
+
+@pytest.fixture(scope="module")
+def unknown(nameless):
+    return analyse(*nameless)
+
+
+@pytest.mark.parametrize("helps", [True, False])
+def test_a_table_is_added_only_where_it_helps(nameless, unknown, monkeypatch, helps):
+    """On readings that it was not fitted to: some left more there than the re-tuned model, and were added nevertheless."""
+    monkeypatch.setattr("hamr_gap.answers.found.analyse", lambda *_: unknown)
+    if not helps:
+        worse = lambda prepared: replace(fit_table(prepared), left=1.01 * prepared.base.left)  # noqa: E731
+        monkeypatch.setattr("hamr_gap.answers.found.fit_table", worse)
+    found = find(*nameless).verdict
+    assert found["verdict"] == "unknown"
+    assert [e["effect"] for e in found["added"]] == ["force_table"] * helps
+    assert (found["gap"]["after"] < 0.7 * found["gap"]["retuned"]) == helps
+
+
+def test_a_fit_that_comes_to_no_end_is_a_sentence(nameless, monkeypatch, tmp_path):
+    machine, record = nameless
+    monkeypatch.setattr("hamr_gap.answers.found.analyse", lambda *_: np.linalg.inv(np.zeros((2, 2))))
+    with pytest.raises(BagError, match=f"The fits to {machine.name} did not come to an end .*another excitation"):
+        stored(machine, record, tmp_path)

@@ -65,9 +65,20 @@ def test_of_what_diverges_with_the_least_change_the_prior_alone_is_known(monkeyp
     monkeypatch.setattr("hamr_gap.judging.interval._together", lambda *_: np.full(1, np.nan))  # diverges as well
     low, high = intervals(weighed, found).T
     assert np.isfinite([low, high]).all()
-    assert (high - low)[1] / 2 == pytest.approx(NORMAL_95 * free[1].sd)
+    believed = found.x[1] + NORMAL_95 * free[1].sd * np.array([-1.0, 1.0])
+    assert [low[1], high[1]] == pytest.approx(np.clip(believed, free[1].low, free[1].high))
     assert (high - low)[1] > 10 * np.diff(usual)[1, 0]
     assert np.all((high - low)[2:] < 1.01 * np.diff(usual)[2:, 0])
+
+
+def test_no_interval_leaves_the_bounds():
+    weighed, free, _ = driven(0.3, 0, cubic=0.0)
+    (row,) = (k for k, f in enumerate(free) if f.row.startswith("cubic"))
+    free = (*free[:row], replace(free[row], low=-0.01, high=0.01), *free[row + 1 :])
+    found = fit(weighed, free, np.array([f.center for f in free]))
+    bounds = intervals(weighed, found)
+    assert bounds[row] == pytest.approx([-0.01, 0.01])
+    assert (bounds[:, 0] <= found.x).all() and (found.x <= bounds[:, 1]).all()
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

@@ -118,8 +118,6 @@ def _leg(backend: str, leg: str, record: Record, out: Path, seed: int, report: C
         return stored(machine_of(backend, leg), record, out, report, seed=seed)
     except HamrError as error:
         return Refused(str(error))
-    except np.linalg.LinAlgError as error:
-        return Refused(f"the fits did not come to an end ({error}); record it with another excitation.")
 
 
 def _held_out(bags: Sequence[Path], channels: Mapping[str, tuple[str, ...]]) -> dict[str, Record]:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hamr_description.errors import BagError
 from hamr_dynamics import machine_kernel
 from hamr_dynamics.effects import effects_file
 from hamr_dynamics.machine import Machine
@@ -64,11 +65,18 @@ def study(
 
 
 def stored(machine: Machine, record: Record, out: Path, report: Callable[[str], None] = lambda _: None, *, seed: int = 0) -> Found:
-    """What is found about a machine, kept in `out` under a hash of data and code."""
+    """What is found about a machine, kept in `out` under a hash of data and code.
+
+    Raises:
+        BagError: the record cannot be used; one sentence.
+    """
     folder, key = out / "found" / machine.name, _key(machine, record, seed)
     if found := Found.load(folder, key):
         return found
-    found = find(machine, record, report, seed=seed)
+    try:
+        found = find(machine, record, report, seed=seed)
+    except np.linalg.LinAlgError as error:
+        raise BagError(f"The fits to {machine.name} did not come to an end ({error}); record it with another excitation.") from error
     found.save(folder, key)
     return found
 

@@ -59,7 +59,8 @@ def place_of(joints: Sequence[str]) -> str:
 
 
 def merged(effects: Sequence[Mapping]) -> list[dict]:
-    """Effects of all machines with equal names as one: its place, and of each parameter the median with the hull of the intervals."""
+    """Effects of all machines with equal names as one: its place, and of each parameter the median with the hull of the intervals, and
+    what it is `at` each joint."""
     groups: dict[tuple[str, str], list[Mapping]] = {}
     for effect in effects:
         groups.setdefault((effect["effect"], effect["form"]), []).append(effect)
@@ -74,7 +75,7 @@ def merged(effects: Sequence[Mapping]) -> list[dict]:
                 "low": min(v["low"] for v in values), "high": max(v["high"] for v in values),
             }  # fmt: skip
             if len(values) > 1:
-                parameters[key]["at"] = {joint: v["value"] for joint, v in each.items()}
+                parameters[key]["at"] = each
         joints = [joint for member in members for joint in member["joints"]]
         result.append({"effect": name, "form": form, "place": place_of(joints), "joints": joints, "parameters": parameters})
     return result

@@ -88,7 +88,7 @@ class Found:
 
 
 def find(machine: Machine, record: Record, report: Callable[[str], None] = lambda _: None, *, seed: int = 0) -> Found:
-    """Analyses one machine; where no name explains the gap, the force that does is found as a table.
+    """Analyses one machine; where no name explains the gap, the force that does is found as a table, if one helps.
 
     Args:
         seed: of the noise in a proposed experiment; nothing else is random.
@@ -101,7 +101,7 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
     first = analysis.said[best]
     if verdict.verdict == "unknown":
         report("table")
-        best = fit_table(prepared)
+        best = min(prepared.base, fit_table(prepared), key=lambda h: h.left)
         first = stated(prepared, best)
         verdict = replace(verdict, gap=first.gap, parameters=first.parameters)
     arrays = {"report": prepared.roles.report} | _states(prepared, best)

@@ -61,8 +61,8 @@ def begun(weighed: Weighed, free: Sequence[Free], x0: np.ndarray) -> Point:
     part = weighed.fitted
     for _ in range(HALVINGS):
         run = part.model.runs(free, x, part.until)[0]
-        if np.isfinite(run).all():
-            return point(part, free, x, run)
+        if np.isfinite(run).all() and np.isfinite((at := point(part, free, x, run)).cost):
+            return at
         x = center + 0.5 * (x - center)
     machine = weighed.model.machine.name
     raise BagError(f"The model of {machine} diverges under the recorded drives: check units and numbers of the model, or the drives.")

@@ -13,6 +13,8 @@ from hamr_dynamics.machine import CHANGES, Machine
 
 #: Prior standard deviation of a parameter change, as a share of what the machine has: weak, it keeps what no data fix from running away.
 CHANGE_SD = 0.5
+LEFT = 0.05  # share of what the machine has, that a change leaves at least
+DRIVE_LEFT = 0.5  # likewise of the drive: one that does next to nothing would explain what sticks
 LINEAR = 1e-3  # of the usual force, or of the inertia: what bends less counts as straight
 PRELOAD_SD = 3.0  # in scales, and any change of what the machine has not
 
@@ -78,7 +80,7 @@ def changes(machine: Machine, scales: Scales, driven: Sequence[bool]) -> list[Fr
                 continue
             scale = scales.of(dimension)
             has = 1.0 if name == "gain" else float(machine.diagonal(own[name], j)) / scale if name in own else 0.0
-            low = -0.95 * has if has else -np.inf  # what is left stays positive
+            low = ((DRIVE_LEFT if name == "gain" else LEFT) - 1.0) * has if has else -np.inf  # what is left stays positive
             found.append(Free(f"change.{name}.{j}", scale, low, np.inf, 0.0, CHANGE_SD * has or PRELOAD_SD))
     return found
 

@@ -161,7 +161,8 @@ class Weighed:
         return 1.0 + max(0.0, float(np.mean(left**2)) - 1.0) * len(left) / INDEPENDENT
 
     def solve_sensors(self, run: np.ndarray, about: float = 0.0, doubt: float = 1.0) -> tuple[np.ndarray, float]:
-        """Best sensor coefficients for a run, and the half sum of squares that is left, with their prior.
+        """Best sensor coefficients for a run, and the half sum of squares that is left, with their prior; none, and an infinite one, for a
+        run that is so far off that nothing else of it is left in a double.
 
         Args:
             about: shift near which they lie, T. doubt: how much the prior counts.
@@ -171,7 +172,10 @@ class Weighed:
         columns = self.sensor_columns(moved)
         residual = self.vector(self.model.target[: len(run)] - moved)
         precision = doubt * self.sensor_precision
-        s = np.linalg.solve(columns.T @ columns + np.diag(precision), columns.T @ residual)
+        try:
+            s = np.linalg.solve(columns.T @ columns + np.diag(precision), columns.T @ residual)
+        except np.linalg.LinAlgError:
+            return np.zeros(len(precision)), np.inf
         left = 0.5 * float(np.sum((residual - columns @ s) ** 2) + precision @ s**2)
         s[-1] += about / self.model.reading_step
         return s, left

@@ -21,7 +21,7 @@ from ..naming.searched import searched
 from ..naming.tried import Search, noise_floor
 from .colour import correlation_time
 from .detect import detectable
-from .stated import Stated, degenerate, poor, stated
+from .stated import Stated, at_bounds, degenerate, poor, stated
 from .unexplained import ALONE, structural
 from .verdict import Answer, Verdict
 from .weigh import Weight, credible, weigh
@@ -136,7 +136,7 @@ def _state(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=best.parameters,
         gap=best.gap, where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
         detectable=detectable(machine, model.scales, state.seen, of_one_size(candidates(machine, record)), least=least), experiment=None,
-        notes=(*poor(prepared), *degenerate(answers)),
+        notes=(*poor(prepared), *at_bounds(prepared), *degenerate(answers)),
     )  # fmt: skip
 
 

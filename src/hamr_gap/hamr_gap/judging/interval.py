@@ -17,7 +17,7 @@ INSIDE = 1e-3  # of that, at least: between bounds on which some parameters lie
 
 
 def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
-    """(P, 2) 95 % intervals in scales.
+    """(P, 2) 95 % intervals in scales, within the bounds.
 
     Gauss-Newton covariance, the residual's mean square and its correlation time counting as noise: what the model does not explain is
     noise with the colour it has. Parameters that almost make up for each other are moved together by what is unsure of them, for moved
@@ -36,7 +36,8 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
         derivatives[:, :n] = moved
     covariance = inflation * _inverse(derivatives.T @ derivatives + np.diag(precision))
     half = NORMAL_95 * np.sqrt(np.diag(covariance)[:n])
-    return np.stack([found.x - half, found.x + half], 1)
+    low, high = (np.array([getattr(f, name) for f in found.free]) for name in ("low", "high"))
+    return np.stack([np.maximum(found.x - half, low), np.minimum(found.x + half, high)], 1)
 
 
 def _inverse(hessian: np.ndarray) -> np.ndarray:

@@ -85,3 +85,13 @@ def degenerate(answers: Sequence[Answer]) -> tuple[str, ...]:
     named = dict.fromkeys(e.effect for answer in answers for e in answer.effects)
     same = ((name, other, when) for name in named for other, when in library()[name].same_as.items())
     return tuple(f"{name} is the same as {other} {when}." for name, other, when in same)
+
+
+def at_bounds(prepared: Prepared) -> list[str]:
+    """Which parameters a re-tune would rather have beyond their bounds: what is missing may hide in these."""
+    machine, least = prepared.weighed.model.machine, []
+    for f, x in zip(prepared.base.fit.free, prepared.base.fit.x, strict=True):
+        if f.row.startswith("change.") and x <= f.low:
+            _, name, joint = f.row.split(".")
+            least.append(f"{name} of {machine.joints[int(joint)]}")
+    return [f"Re-tuned without what is missing, the model would have as little as it may of: {', '.join(least)}."] if least else []

@@ -82,9 +82,11 @@ def _set(found: Mapping) -> str:
             if effect is None:
                 rows.append([probability, said, "", "", "", ""])
                 continue
-            for k, (name, x) in enumerate(effect["parameters"].items()):
-                head = [probability, f"{effect['effect']} ({effect['form']})", effect["place"]] if k == 0 else ["", "", ""]
-                rows.append([*head, name, number(x["value"]) + unit(x["unit"]), f"{number(x['low'])} to {number(x['high'])}"])
+            own = effect["parameters"].items()
+            each = [(joint, name, x) for name, merged in own for joint, x in merged.get("at", {effect["place"]: merged}).items()]
+            for k, (joint, name, x) in enumerate(each):
+                head = [probability, f"{effect['effect']} ({effect['form']})"] if k == 0 else ["", ""]
+                rows.append([*head, joint, name, number(x["value"]) + unit(x["unit"]), f"{number(x['low'])} to {number(x['high'])}"])
     return "<h2>What is missing</h2>" + _table(["probability", "effect", "place", "parameter", "value", "95 % interval"], rows)
 
 

@@ -34,12 +34,13 @@ def sentences(found: Mapping) -> list[str]:
     ]
     said += [f"What comes nearest at {name}: {_nearest(own['tried'])}." for name, own in found["machines"].items() if _lacks(own)]
     if shown := found.get("shown"):
-        over, share = shown["over_floor"], shown["closed"]
-        after = f", {over['after']:.2f} with what was found" if found["set"] else ""
+        over, share, added = shown["over_floor"], shown["closed"], any(own["added"] for own in found["machines"].values())
+        after = f", {over['after']:.2f} with what was found" if added else ""
         said.append(f"Simulation minus measurement, in units of the sensor noise, on {shown['data']}: {over['raw']:.2f} as given, "
                     f"{over['retuned']:.2f} re-tuned{after}.")  # fmt: skip
-        if found["set"] and share is not None:
-            said.append(f"{100 * share:.1f} % of the re-tuned gap is gone; taken out again, it is {over['removed']:.2f}.")
+        if added and share is not None:
+            gone = f"{100 * share:.1f} % of the re-tuned gap is gone" if share > 0.0 else "What was found does not hold there"
+            said.append(f"{gone}; taken out again, it is {over['removed']:.2f}.")
     if not found["set"]:
         said += [f"{name} would have shown {some}." for name, v in found["machines"].items() if (some := _smallest(v["detectable"]))]
     said += [f"{name}: {why}" for name, why in found["refused"].items()]
@@ -89,11 +90,16 @@ def answer_in_words(answer: Mapping) -> str:
 
 
 def _parameters(effect: Mapping) -> str:
-    shown = [
-        f"{name} {number(x['value'])} ({number(x['low'])} to {number(x['high'])}){unit(x['unit'])}"
-        for name, x in effect["parameters"].items()
-    ]
+    shown = [f"{name} {estimates(x)}" for name, x in effect["parameters"].items()]
     return ", ".join([*shown[:MOST], *(["..."] if len(shown) > MOST else [])])
+
+
+def estimates(x: Mapping) -> str:
+    """A parameter with its interval, of each joint by itself where those of two have nothing in common."""
+    at = x.get("at", {})
+    if len(at) == 2 and max(v["low"] for v in at.values()) > min(v["high"] for v in at.values()):
+        return " and ".join(f"{estimates(v)} at {joint}" for joint, v in at.items())
+    return f"{number(x['value'])} ({number(x['low'])} to {number(x['high'])}){unit(x['unit'])}"
 
 
 def number(x: float) -> str:

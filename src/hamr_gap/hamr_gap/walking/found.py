@@ -108,7 +108,8 @@ def _intervals(state: Search, found: Fit) -> np.ndarray:
     scale = 1.0 / np.sqrt(np.diag(found.hessian))
     inverse = np.linalg.pinv(found.hessian * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse) * inflation, np.square([f.sd for f in found.free])))
-    return np.stack([found.x - half, found.x + half], 1)
+    low, high = (np.array([getattr(f, name) for f in found.free]) for name in ("low", "high"))
+    return np.stack([np.maximum(found.x - half, low), np.minimum(found.x + half, high)], 1)
 
 
 def _estimates(state: Search, found: Fit) -> dict[str, tuple[Free, float, float, float]]:
@@ -155,11 +156,9 @@ def _gap(state: Search, best: Hypothesis) -> Gap:
 
 def by_channel(observed: Observed, residual: np.ndarray, until: int | None = None) -> dict[str, float]:
     """Rms of each channel, SI: angles rad, and m and rad of the chassis; with `until`, within so many samples after the start only."""
-    s, g = observed.angles.shape[:2]
-    noise = observed.noise
-    angles = residual[:, : observed.angle_readings].reshape(s, g, len(JOINTS)) * noise.angle
-    poses = residual[:, observed.angle_readings :].reshape(s, -1, 6) * np.concatenate([1e-3 * noise.position, noise.turn])
-    there = observed.there
+    noise, there = observed.noise, observed.there
+    angles, poses = observed.apart(residual)
+    angles, poses = angles * noise.angle, poses * np.concatenate([1e-3 * noise.position, noise.turn])
     if until is not None:
         angles, there = angles[:, : until // observed.mean], there & (observed.at <= until)
     found = dict(zip(JOINTS, np.sqrt(np.mean(angles**2, (0, 1))).tolist(), strict=True))
@@ -170,11 +169,10 @@ def by_channel(observed: Observed, residual: np.ndarray, until: int | None = Non
 
 def _where(observed: Observed, residual: np.ndarray) -> list[str]:
     """One sentence for each channel that is off, and how the gap grows."""
-    s, g = observed.angles.shape[:2]
-    angles = residual[:, : observed.angle_readings].reshape(s, g, len(JOINTS))
+    angles, poses = observed.apart(residual)
+    g, poses = angles.shape[1], poses[observed.there]
     over = np.sqrt(np.mean(angles**2, (0, 1)) / observed.mean)
     said = [f"{joint}: residual {x:.1f} times the noise" for joint, x in zip(JOINTS, over, strict=True)]
-    poses = residual[:, observed.angle_readings :].reshape(s, -1, 6)[observed.there]
     for name, part in zip(BASE_CHANNELS, (slice(0, 3), slice(3, 6)), strict=True):
         said.append(f"{name}: residual {np.sqrt(np.mean(poses[:, part] ** 2)):.1f} times the noise")
     early, late = (np.sqrt(np.mean(part**2)) for part in (angles[:, : g // 4], angles[:, -g // 4 :]))

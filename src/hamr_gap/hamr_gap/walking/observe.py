@@ -73,9 +73,14 @@ class Observed:
         poses *= self.there[..., None, None]
         return np.concatenate([angles.reshape(s, -1, 11), poses.reshape(s, -1, 11)], 1)
 
+    def apart(self, each: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What readings (s, readings) have, of angles (s, g, 8) and of poses (s, p, 6), position and turn."""
+        s = len(each)
+        return each[:, : self.angle_readings].reshape(s, -1, 8), each[:, self.angle_readings :].reshape(s, -1, 6)
+
     def parts(self, each: np.ndarray) -> np.ndarray:
-        """(7,) means of what readings (s, readings) have: of all angles, and of each axis of the chassis (position, turn)."""
-        angles, poses = each[:, : self.angle_readings], each[:, self.angle_readings :].reshape(len(each), -1, 6)
+        """(7,) means of the same: of all angles, and of each axis of the chassis."""
+        angles, poses = self.apart(each)
         return np.array([angles.mean(), *poses[self.there].mean(0)])
 
     @property

@@ -102,10 +102,9 @@ def show(found: Found, walk: Walk, *, fresh: bool) -> dict:
 def _over(replay: Replay, residual: np.ndarray, samples: int) -> float:
     """Rms in noise of the readings up to a horizon, the worst segments left out."""
     observed = replay.observed
-    s, g = observed.angles.shape[:2]
-    angles = residual[:, : observed.angle_readings].reshape(s, g, -1)[:, : samples // observed.mean].reshape(s, -1)
-    poses = residual[:, observed.angle_readings :].reshape(s, -1, 6)[:, : int((observed.at[0] <= samples).sum())].reshape(s, -1)
-    return float(np.sqrt(trimmed(np.concatenate([angles, poses], 1))[0]))
+    angles, poses = observed.apart(residual)
+    near = angles[:, : samples // observed.mean], poses[:, : int((observed.at[0] <= samples).sum())]
+    return float(np.sqrt(trimmed(np.concatenate([x.reshape(len(x), -1) for x in near], 1))[0]))
 
 
 def _kept(whole: Segments, first: np.ndarray) -> Segments:
