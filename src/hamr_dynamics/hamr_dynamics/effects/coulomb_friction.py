@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..scalar import LITTLE, clip, maximum, sqrt
 from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
+FORWARD = replace(LEVEL, name="forward", doc="friction force while the coordinate grows")
+BACKWARD = replace(LEVEL, name="backward", doc="friction force while the coordinate falls")
 DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
 SHARE = Parameter("share", "1", 0.05, 0.0, 1.0, "of the drive's force, by which it grows")
 WIDTH = Parameter("width", "Q/T", 0.02, 1e-4, 0.3, "rate at which the force has reached 0.7 of its level", shape=True, screen=(0.02,))
@@ -37,10 +41,11 @@ def sign(x: Joint, p, z):
 
 
 def asymmetric(x: Joint, p, z):
-    """-level sign(v) - difference: other sizes in the two directions."""
+    """-forward sign(v) while the coordinate grows, -backward sign(v) while it falls."""
     direction, slope = gliding(x.v, p["width"])
-    size = p["level"] + p["difference"] * direction
-    return Push(-(size * direction), damping=(size + p["difference"] * direction) * slope), z
+    difference = 0.5 * (p["forward"] - p["backward"])
+    size = 0.5 * (p["forward"] + p["backward"]) + difference * direction
+    return Push(-(size * direction), damping=(size + difference * direction) * slope), z
 
 
 def loaded(x: Joint, p, z):
@@ -88,8 +93,7 @@ EFFECT = Effect(
         Form("sign", "force", sign, (LEVEL, WIDTH)),
         Form("presliding", "force", presliding, (LEVEL, DISTANCE), states=1),
         Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE, SHARPNESS), states=2),
-        Form("asymmetric", "force", asymmetric,
-             (LEVEL, Parameter("difference", "F", 0.01, -10.0, 10.0, "half the difference of the two directions"), WIDTH)),
+        Form("asymmetric", "force", asymmetric, (FORWARD, BACKWARD, WIDTH)),
         Form("loaded", "force", loaded, (LEVEL, SHARE, WIDTH)),
     ),  # fmt: skip
     experiment="small slow reversals beside large fast ones: the equivalent damping falls as one over the amplitude",

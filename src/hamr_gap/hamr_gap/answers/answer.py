@@ -14,7 +14,7 @@ from .found import Found
 from .together import Combination
 
 SCALE_NOTE = (
-    "Drive and angle fix inertia, stiffness, damping and gain only up to one common factor: a weaker drive and a leg that is heavier, "
+    "Drive and angle fix inertia, stiffness, damping and gain only up to one common factor: a weaker drive and a machine that is heavier, "
     "stiffer and more damped look the same; a known added mass or a load cell tells them apart."
 )
 
