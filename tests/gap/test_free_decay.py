@@ -8,10 +8,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hanging import hanging
 
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.data.record import Record
+from hamr_gap.fitting.continued import continued
+from hamr_gap.fitting.fit import fit
 from hamr_gap.fitting.model import Model
+from hamr_gap.fitting.parameters import Candidate, effect_parameters
 from hamr_gap.fitting.roles import mask, roles_of
 from hamr_gap.fitting.scales import scales_of
 from hamr_gap.fitting.sensors import Sensors
@@ -19,7 +23,7 @@ from hamr_gap.fitting.settled import settled
 from hamr_gap.fitting.tune import tune
 from hamr_gap.judging.analyse import analyse
 from hamr_gap.naming.candidates import candidates
-from hamr_gap.naming.hypothesis import left_of
+from hamr_gap.naming.hypothesis import Start, left_of, refined
 from hamr_gap.naming.prepare import prepare
 from hamr_gap.naming.screen import screen
 
@@ -89,6 +93,38 @@ def test_free_starts_move_the_starts_of_their_own_pieces():
     assert not np.allclose(moved, model.plain, equal_nan=True)
     still = replace(model, begins=False)  # for which they are nothing
     assert still.free_starts == [] and np.array_equal(still.runs(free, by.ravel())[0], still.plain, equal_nan=True)
+
+
+def test_a_swing_over_the_side_is_followed_and_its_friction_fitted_from_next_to_nothing():
+    """A pendulum let go at 2.7 rad, whose period falls by half: long pieces drift, and fits from afar rest turns away in them."""
+    inertia, weight, damping, friction, fine, q, v = 0.021, 0.639, 5e-4, 3.2e-3, 40, 2.7, 0.0
+    h, seen = 1.0 / RATE / fine, np.empty(int(39 * RATE))
+    for i in range(len(seen)):
+        seen[i] = q
+        for _ in range(fine):
+            v -= h / inertia * (weight * math.sin(q) + damping * v + friction * math.tanh(v / 5e-3))
+            q += h * v
+    seen += np.random.default_rng(0).normal(0.0, 2e-3, len(seen))
+    record = Record(np.zeros((len(seen), 1)), seen[:, None], 1.0 / RATE, ("arm",), rest=False)
+    weighed, base = (prepared := prepare(hanging("swing", inertia=inertia, weight=weight, damping=1e-3), record)).weighed, prepared.base.fit
+    assert len(weighed.model.pieces) == 2
+    lengths, shorter = [], weighed
+    while shorter:
+        lengths.append(len(shorter.model.pieces))
+        shorter = shorter.shorter
+    assert lengths == [2, 4, 8, 16]
+    law = Candidate("coulomb_friction", "sign", (0,))
+    free = (*base.free, *(own := effect_parameters((law,), weighed.model.scales)))
+    x = np.concatenate([base.x, [f.center or 1e-3 * f.sd for f in own]])
+    direct, led = fit(weighed, free, x), continued(weighed, free, x)
+    assert [f.row for f in led.free] == [f.row for f in free]
+    assert led.cost < 0.2 * direct.cost
+    level = dict(zip((f.row for f in free), led.x, strict=True))["coulomb_friction.sign.level.0"] * own[0].scale
+    assert level == pytest.approx(friction, rel=0.05)
+    start = Start((law,), free, x, np.inf)
+    (found,) = refined(weighed, prepared.judged, [start])
+    assert found.fit.cost == pytest.approx(led.cost)
+    assert found.left < 1.2
 
 
 def test_pieces_settle_where_they_began():

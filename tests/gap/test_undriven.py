@@ -14,6 +14,7 @@ from hamr_dynamics.machine import Machine
 from hamr_gap.answers.found import decides, find
 from hamr_gap.data.columns import record_of
 from hamr_gap.data.record import Record
+from hamr_gap.fitting import tune
 from hamr_gap.fitting.initial_states import InitialStates
 from hamr_gap.fitting.model import Model
 from hamr_gap.fitting.scales import scales_of
@@ -67,7 +68,9 @@ def test_what_brings_a_pendulum_to_rest_is_found(bent, verdicts):
     assert decides(analysis) is None  # no drive could
 
 
-def test_a_pendulum_that_is_as_it_should_be_lacks_nothing():
+def test_a_pendulum_that_is_as_it_should_be_lacks_nothing(monkeypatch):
+    """In pieces of two seconds, so that what the model as given leaves of one part it leaves of another."""
+    monkeypatch.setattr(tune, "DRIFTS", tune.GROWS)
     found = find(pendulum(), record := swinging(30.0))
     assert found.verdict["verdict"] == "parameters_only" and found.verdict["parameters"]["damping"]["arm"]["value"] < -0.7 * DAMPING
     of_drives = {name for name, effect in library().items() if all(form.acts == "drive" for form in effect.forms)}
@@ -75,6 +78,13 @@ def test_a_pendulum_that_is_as_it_should_be_lacks_nothing():
     shown, _ = show(pendulum(), found, record, fresh=False)
     assert shown["over_floor"]["retuned"] < 1.5  # 4.0 with starts as measured
     assert found.verdict["gap"]["raw"] == pytest.approx(shown["over_floor"]["raw"], rel=0.2)  # 2.5 times with those
+
+
+def test_the_same_is_said_of_it_in_one_run():
+    verdict = (analysis := analyse(pendulum(), swinging(30.0))).verdict
+    assert len(analysis.prepared.weighed.model.pieces) == 1
+    assert verdict.verdict == "parameters_only"
+    assert verdict.parameters["damping"]["arm"].value == pytest.approx(0.02 * WEIGHT / 64.0 - DAMPING, abs=0.02 * DAMPING)
 
 
 def test_what_no_name_explains_is_not_closed_by_parameters():

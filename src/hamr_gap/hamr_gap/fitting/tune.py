@@ -22,6 +22,7 @@ HELD = 1.2  # by how much less must be left of a drive held between samples, whe
 ASTRAY = 0.2  # of a sensor's motion: a re-tuned free run that is off by more, from an unknown start, is lost, and shorter ones serve
 LITTLE = 10.0  # of the noise: what is left of short pieces, up to which longer ones may show more
 GROWS = 4.0  # times as far apart, from the first to the last quarter of a piece, that starts may lead: a fit by derivatives is lost beyond
+DRIFTS = 8.0  # likewise of starts that are fitted along: a frequency that is off leads 7 times as far, and never away
 FEW = 0.1  # of the pieces, in which they may
 INERTIAS = (1.0, 0.4, 0.5, 0.63, 0.8, 1.25, 1.6, 2.0, 2.5)  # of the given one, at which a re-tune in pieces may begin
 HALF = 0.5  # of the mean square that the given one leaves, from which on it does
@@ -99,7 +100,7 @@ def _longer(best: Tuned) -> Tuned | None:
     if len(twice.pieces) >= len(model.pieces):
         return None
     roles = roles_of(twice, model.machine.to_si["T"])
-    weighed = replace(best.weighed, model=twice, coarse=twice, chosen=mask(twice, roles.fit), initial=None)
+    weighed = replace(best.weighed, model=twice, coarse=twice, chosen=mask(twice, roles.fit), initial=None, shorter=best.weighed)
     own = [k for k, f in enumerate(found.free) if not f.row.startswith(START)]
     free = [*(found.free[k] for k in own), *twice.free_starts]
     begun = np.concatenate([found.x[own], np.zeros(len(twice.free_starts))])
@@ -110,7 +111,8 @@ def _lost(tuned: Tuned) -> bool:
     """Whether pieces are too long: the model goes astray in them, or what differs a little at their start does."""
     weighed = tuned.weighed
     starts = weighed.initial or InitialStates.about(weighed.model, weighed.model.rows(tuned.fit.free, tuned.fit.x)[0], weighed.sigma)
-    return bool(np.quantile(starts.growth, 1.0 - FEW) > GROWS) or _astray(tuned, ASTRAY)
+    most = DRIFTS if weighed.model.begins else GROWS
+    return bool(np.quantile(starts.growth, 1.0 - FEW) > most) or _astray(tuned, ASTRAY)
 
 
 def _astray(tuned: Tuned, share: float) -> bool:

@@ -29,6 +29,7 @@ class Weighed:
         numerical: rms by which halving the step moves readings, in units of a sample's noise.
         gains: channels whose gain is free: all of two coupled joints; of one joint, where it is the drive's, those beside it.
         initial: what other initial states of the pieces can do; None where there are none to be solved for.
+        shorter: the same in pieces of half the length, of pieces that were doubled.
     """
 
     model: Model
@@ -38,6 +39,7 @@ class Weighed:
     coarse: Model | None = None
     numerical: float = 0.0
     initial: InitialStates | None = None
+    shorter: Weighed | None = None
 
     @property
     def least(self) -> float:

@@ -8,6 +8,7 @@ from itertools import chain
 
 import numpy as np
 
+from ..fitting.continued import continued
 from ..fitting.corrected import Corrected
 from ..fitting.fit import Fit, fit
 from ..fitting.parameters import Candidate, Free, effect_parameters
@@ -153,7 +154,13 @@ def settled(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> Hypothesis:
 
 
 def refined(weighed: Weighed, judged: np.ndarray, found: Iterable[Start], known: Iterable[Hypothesis] = ()) -> list[Hypothesis]:
-    """Fits several sets for good, those that come nowhere near the best, or others that are known, only until steps gain little."""
+    """Fits several sets for good, those that come nowhere near the best, or others that are known, only until steps gain little.
+
+    Where pieces were doubled, all of them, and from shorter pieces too.
+    """
     found = list(found)
     fits = raced(weighed, ((start.free, start.x) for start in found), [h.fit for h in known])
+    if weighed.shorter:
+        led = at_once(lambda start: continued(weighed, start.free, start.x), found)
+        fits = [min(pair, key=lambda f: f.cost) for pair in zip(fits, led, strict=True)]
     return [judge(weighed, judged, start.effects, f) for start, f in zip(found, fits, strict=True)]
