@@ -146,16 +146,21 @@ def test_of_an_unknown_law_what_comes_nearest_is_said():
 
 
 @pytest.mark.parametrize(("added", "closed", "said"), [
-    ([], 0.0, "12.00 as given, 6.00 re-tuned."), (["hum"], 0.75, "75.0 % of the re-tuned gap is gone; taken out again, it is 8.00."),
+    ([], 0.0, "In the sensors' own units, likewise: 0.012, 0.006 rad at arm."),
+    (["hum"], 0.75, "75.0 % of the re-tuned gap is gone; taken out again, it is 8.00."),
     (["hum"], -48.6, "What was found does not hold there; taken out again, it is 8.00."),
 ])  # fmt: skip
 def test_what_was_found_is_said_to_hold_only_where_it_does(added, closed, said):
     own = {"verdict": "unknown", "added": [{"effect": name} for name in added], "tried": []}
-    shown = {"data": "other data", "closed": closed, "over_floor": {"raw": 12.0, "retuned": 6.0, "after": 7.0, "removed": 8.0}}
+    channels = {"arm": {"unit": "rad", "noise": 1e-3, "raw": 0.012, "retuned": 0.006, "after": 0.007}}
+    shown = {"machines": {"arm": {"channels": channels}}, "data": "other data", "closed": closed}
+    shown["over_floor"] = {"raw": 12.0, "retuned": 6.0, "after": 7.0, "removed": 8.0}
     found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9}], "machines": {"arm": own}, "shown": shown}
-    last = sentences(found | {"refused": {}, "experiment": None})[-1]
+    *others, last = sentences(found | {"refused": {}, "experiment": None})
     assert last.endswith(said)
-    assert ("with what was found" in " ".join(sentences(found | {"refused": {}, "experiment": None}))) == bool(added)
+    about = "6.00 re-tuned, 7.00 with what was found." if added else "6.00 re-tuned."
+    assert any(sentence.endswith(about) for sentence in others)
+    assert ("0.012, 0.006, 0.007 rad at arm" in " ".join(others)) == bool(added)
 
 
 @pytest.mark.parametrize(("retuned", "told"), [(1.2, False), (4.0, True)])

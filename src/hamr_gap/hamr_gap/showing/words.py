@@ -9,6 +9,7 @@ from ..judging.table import TABLE
 COMMON = ("coulomb_friction", "cubic_stiffness", "backlash", "drive_lag")  # whose smallest visible size is said
 OVER = 1.5  # times the noise: as much may have a cause, though none was found
 UNNAMED = ("no_significant_gap", "parameters_only")
+FEW = 2  # sensors, of which what is left is said one by one
 MOST = 3  # answers, and parameters of each effect, that are said
 HEADLINES = {
     "no_significant_gap": "No significant gap: the model explains these data to within their noise.",
@@ -38,6 +39,7 @@ def sentences(found: Mapping) -> list[str]:
         after = f", {over['after']:.2f} with what was found" if added else ""
         said.append(f"Simulation minus measurement, in units of the sensor noise, on {shown['data']}: {over['raw']:.2f} as given, "
                     f"{over['retuned']:.2f} re-tuned{after}.")  # fmt: skip
+        said += _in_units(shown["machines"], ("raw", "retuned", *["after"] * added))
         if added and share is not None:
             gone = f"{100 * share:.1f} % of the re-tuned gap is gone" if share > 0.0 else "What was found does not hold there"
             said.append(f"{gone}; taken out again, it is {over['removed']:.2f}.")
@@ -60,6 +62,15 @@ def _headline(found: Mapping) -> str:
 
 def _unsaid(own: Mapping) -> bool:
     return own["verdict"] in UNNAMED and own["gap"]["retuned"] > OVER * own["gap"]["floor"]
+
+
+def _in_units(machines: Mapping, states: Sequence[str]) -> list[str]:
+    """The same of each sensor of a single machine, if it has few."""
+    channels = {channel: x for own in machines.values() for channel, x in own["channels"].items()}
+    if len(machines) > 1 or len(channels) > FEW:
+        return []
+    each = [f"{', '.join(number(x[state]) for state in states)}{unit(x['unit'])} at {channel}" for channel, x in channels.items()]
+    return [f"In the sensors' own units, likewise: {'; '.join(each)}."]
 
 
 def _lacks(own: Mapping) -> bool:
