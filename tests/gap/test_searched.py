@@ -11,8 +11,9 @@ from shaken_leg import BESIDE, FRICTION, NOISE, shaken
 from hamr_gap.data.readings import noise_of
 from hamr_gap.data.record import Record
 from hamr_gap.fitting.scales import scales_of
-from hamr_gap.judging.analyse import SIGNIFICANT, analyse
+from hamr_gap.judging.analyse import SIGNIFICANT, analyse, hidden
 from hamr_gap.judging.detect import detectable
+from hamr_gap.judging.verdict import Gap
 from hamr_gap.legs import machine_of
 from hamr_gap.naming import search
 from hamr_gap.naming.blocks import better
@@ -57,6 +58,23 @@ def test_what_a_record_without_a_gap_would_have_shown_needs_few_forms(plain):
     assert said == also
     assert set(said["coulomb_friction"]) == set(LEG.joints)
     assert set(said["lift_swing_coupling"]) == {"both"}
+
+
+def test_no_effect_is_said_to_stand_out_that_hides_in_what_is_unexplained(plain):
+    """A cart that left seven times the noise was told how little friction it would have shown, a fortieth of what it had."""
+    prepared = prepare(LEG, plain)
+    count, mean = prepared.weighed.chosen.sum(), prepared.weighed.model.mean
+    gap = Gap(raw=9.0, retuned=7.0, after=1.0, floor=1.0, per_channel={})
+    assert hidden(prepared, gap) == pytest.approx(0.5 * prepared.weighed.least * count)
+    assert hidden(prepared, replace(gap, after=7.0)) == pytest.approx(0.5 * mean * 48.0 * count)
+    wanted = of_one_size(candidates(LEG, plain))
+    seen = look(prepared.weighed, prepared.base.fit, wanted)
+    little, much = (
+        detectable(LEG, scales_of(LEG, plain), seen, wanted, least=hidden(prepared, replace(gap, after=after)))["coulomb_friction"]
+        for after in (1.0, 7.0)
+    )
+    for joint in LEG.joints:
+        assert float(much[joint].split()[0]) > 20.0 * float(little[joint].split()[0])
 
 
 @pytest.mark.parametrize("rms, tried", [(0.18, False), (0.31, True)])

@@ -23,7 +23,7 @@ from .colour import correlation_time
 from .detect import detectable
 from .stated import Stated, at_bounds, degenerate, poor, stated
 from .unexplained import ALONE, structural
-from .verdict import Answer, Verdict
+from .verdict import Answer, Gap, Verdict
 from .weigh import Weight, credible, weigh
 from .where import where
 
@@ -129,15 +129,23 @@ def _state(
 ) -> Verdict:  # fmt: skip
     model = prepared.weighed.model
     machine, record = model.machine, model.record
-    least = 0.5 * prepared.weighed.least * float(prepared.weighed.chosen.sum())
+    simplest = of_one_size(candidates(machine, record))
     answers = tuple(answer_of(state, w, said.get(w.hypothesis)) for w in chosen)
     silent = {name: why for name in library() if (why := missing(name, machine, record)) and why != "it is no name"}
     return Verdict(
         machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=best.parameters,
         gap=best.gap, where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
-        detectable=detectable(machine, model.scales, state.seen, of_one_size(candidates(machine, record)), least=least), experiment=None,
+        detectable=detectable(machine, model.scales, state.seen, simplest, least=hidden(prepared, best.gap)),
+        experiment=None,
         notes=(*poor(prepared), *at_bounds(prepared), *degenerate(answers)),
     )  # fmt: skip
+
+
+def hidden(prepared: Prepared, gap: Gap) -> float:
+    """Half squared distance on the fitted readings, in units of the noise, below which an effect counts for none, or may hide in what the
+    best model leaves unexplained."""
+    unexplained = prepared.weighed.model.mean * (gap.after**2 - gap.floor**2)
+    return 0.5 * max(prepared.weighed.least, unexplained) * float(prepared.weighed.chosen.sum())
 
 
 def answer_of(state: Search, weight: Weight, said: Stated | None) -> Answer:

@@ -121,7 +121,10 @@ def _visible(found: Mapping) -> str:
         [effect, joint, size]
         for own in found["machines"].values() for effect, joints in own["detectable"].items() for joint, size in joints.items()
     ]  # fmt: skip
-    about = "<p>The smallest size of each effect alone that would have stood out, after a re-tune; for the simplest form of each name.</p>"
+    about = (
+        "<p>The smallest size of each effect alone that would have stood out, after a re-tune and beside what is left unexplained; for the "
+        "simplest form of each name.</p>"
+    )
     return "<h2>What these data would have shown</h2>" + about + _table(["effect", "joint", "smallest size"], rows)
 
 
