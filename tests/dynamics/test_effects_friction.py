@@ -19,7 +19,7 @@ def test_coulomb_friction_takes_the_same_amplitude_every_turn():
     assert -np.diff(tops) == pytest.approx(np.full(8, 0.08), rel=0.01)
     tops, _ = free_decay("coulomb_friction", "presliding", 8, level=0.02, distance=1e-3)
     assert -np.diff(tops) == pytest.approx(np.full(8, 0.08), rel=0.02)
-    tops, _ = free_decay("coulomb_friction", "asymmetric", 8, forward=0.03, backward=0.01, width=1e-4)
+    tops, _ = free_decay("coulomb_friction", "asymmetric", 8, level=0.02, skew=0.5, width=1e-4)
     assert -np.diff(tops) == pytest.approx(np.full(8, 0.08), rel=0.01)  # 2 (F+ + F-) / k
     tops, _ = free_decay("stribeck_friction", "lorentzian", 3, level=0.02, excess=0.05, speed=1e-4, width=1e-5)
     assert -np.diff(tops) == pytest.approx(np.full(3, 0.08), rel=0.02)  # the excess is gone when it slides
@@ -47,7 +47,8 @@ def test_friction_grows_with_the_load(drive):
 def test_friction_of_two_directions_resists_each_by_a_level_of_its_own(forward, backward):
     """Slow steady sliding, ten widths fast, feels one level, and neither level pushes along the motion at any rate, even alone."""
     law, width = find("coulomb_friction", "asymmetric"), 1e-4
-    p = parameters(law, forward=forward, backward=backward, width=width)
+    level, difference = 0.5 * (forward + backward), 0.5 * (forward - backward)
+    p = parameters(law, level=level, skew=difference / level, width=width)
 
     def push(rate: float) -> Push:
         return law.law(Joint(0.0, rate, 0.4, 1.0, 1.0, 0.0, 1e-3, 9.0), p, ())[0]
@@ -58,20 +59,21 @@ def test_friction_of_two_directions_resists_each_by_a_level_of_its_own(forward, 
         rate, step = share * width, 1e-5 * width
         assert float(push(rate).force) * share <= 0.0
         s = share / np.hypot(share, 1.0)
-        level, difference = 0.5 * (forward + backward), 0.5 * (forward - backward)
         assert float(push(rate).force) == pytest.approx(-(level * s + difference * s * s), rel=1e-9, abs=1e-15)
         slope = (float(push(rate + step).force) - float(push(rate - step).force)) / (2.0 * step)
         assert float(push(rate).damping) == pytest.approx(-slope, rel=1e-5, abs=1e-8 * (forward + backward) / width)
 
 
-def test_levels_of_friction_are_not_negative():
+def test_no_direction_has_less_than_no_friction():
     """So no fit finds a friction that drives the joint."""
-    assert {size.name: size.low for size in find("coulomb_friction", "asymmetric").sizes} == {"forward": 0.0, "backward": 0.0}
+    law = find("coulomb_friction", "asymmetric")
+    (level,), (skew,) = law.sizes, (p for p in law.shapes if p.name == "skew")
+    assert (level.low, skew.low, skew.high) == (0.0, -1.0, 1.0)
 
 
 @pytest.mark.parametrize(("effect", "form", "sizes"), [
     ("coulomb_friction", "sign", {"level": 0.02}),
-    ("coulomb_friction", "asymmetric", {"forward": 0.03, "backward": 0.01}),
+    ("coulomb_friction", "asymmetric", {"level": 0.02, "skew": 0.5}),
     ("coulomb_friction", "loaded", {"level": 0.02, "share": 0.1}),
     ("stribeck_friction", "lorentzian", {"level": 0.02, "excess": 0.03}),
     ("stribeck_friction", "loaded", {"level": 0.02, "share": 0.1, "boost": 0.5}),

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ..scalar import LITTLE, clip, maximum, sqrt
 from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
-FORWARD = replace(LEVEL, name="forward", doc="friction force while the coordinate grows")
-BACKWARD = replace(LEVEL, name="backward", doc="friction force while the coordinate falls")
 DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
 SHARE = Parameter("share", "1", 0.05, 0.0, 1.0, "of the drive's force, by which it grows")
+SKEW = Parameter("skew", "1", 0.0, -1.0, 1.0, "share by which it is more while the coordinate grows, and less while it falls", shape=True,
+                 screen=(0.0,))  # fmt: skip
 WIDTH = Parameter("width", "Q/T", 0.02, 1e-4, 0.3, "rate at which the force has reached 0.7 of its level", shape=True, screen=(0.02,))
 DISTANCE = Parameter("distance", "Q", 0.03, 1e-4, 1.0, "way over which bristles yield before sliding", shape=True, screen=(0.01, 0.1))
 SHARPNESS = Parameter("sharpness", "1", 0.5, 0.0, 1.0, "share of the bristles that yield all at once", shape=True)
@@ -41,11 +39,11 @@ def sign(x: Joint, p, z):
 
 
 def asymmetric(x: Joint, p, z):
-    """-forward sign(v) while the coordinate grows, -backward sign(v) while it falls."""
+    """-level (1 + skew) sign(v) while the coordinate grows, -level (1 - skew) sign(v) while it falls."""
     direction, slope = gliding(x.v, p["width"])
-    difference = 0.5 * (p["forward"] - p["backward"])
-    size = 0.5 * (p["forward"] + p["backward"]) + difference * direction
-    return Push(-(size * direction), damping=(size + difference * direction) * slope), z
+    skewed = p["level"] * p["skew"] * direction
+    size = p["level"] + skewed
+    return Push(-(size * direction), damping=(size + skewed) * slope), z
 
 
 def loaded(x: Joint, p, z):
@@ -93,7 +91,7 @@ EFFECT = Effect(
         Form("sign", "force", sign, (LEVEL, WIDTH)),
         Form("presliding", "force", presliding, (LEVEL, DISTANCE), states=1),
         Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE, SHARPNESS), states=2),
-        Form("asymmetric", "force", asymmetric, (FORWARD, BACKWARD, WIDTH)),
+        Form("asymmetric", "force", asymmetric, (LEVEL, SKEW, WIDTH)),
         Form("loaded", "force", loaded, (LEVEL, SHARE, WIDTH)),
     ),  # fmt: skip
     experiment="small slow reversals beside large fast ones: the equivalent damping falls as one over the amplitude",
