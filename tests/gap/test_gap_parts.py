@@ -259,10 +259,13 @@ def unknown(nameless):
 @pytest.mark.parametrize("helps", [True, False])
 def test_a_table_is_added_only_where_it_helps(nameless, unknown, monkeypatch, helps):
     """On readings that it was not fitted to: some left more there than the re-tuned model, and were added nevertheless."""
+
+    def fitted(prepared):
+        found = fit_table(prepared)
+        return found if helps else replace(found, left=1.01 * prepared.base.left)
+
     monkeypatch.setattr("hamr_gap.answers.found.analyse", lambda *_: unknown)
-    if not helps:
-        worse = lambda prepared: replace(fit_table(prepared), left=1.01 * prepared.base.left)  # noqa: E731
-        monkeypatch.setattr("hamr_gap.answers.found.fit_table", worse)
+    monkeypatch.setattr("hamr_gap.answers.found.fit_table", fitted)
     found = find(*nameless).verdict
     assert found["verdict"] == "unknown"
     assert [e["effect"] for e in found["added"]] == ["force_table"] * helps

@@ -26,8 +26,6 @@ def continued(weighed: Weighed, free: Sequence[Free], x: np.ndarray) -> Fit:
     """
     if weighed.shorter is None:
         return fit(weighed, free, x)
-    own = [k for k, f in enumerate(free) if not f.row.startswith(START)]
-    moving = weighed.shorter.model.free_starts
-    before = continued(weighed.shorter, (*(free[k] for k in own), *moving), np.concatenate([x[own], np.zeros(len(moving))]))
+    before = continued(weighed.shorter, *weighed.shorter.model.with_starts(free, x))
     there = {f.row: value for f, value in zip(before.free, before.x, strict=True) if not f.row.startswith(START)}
     return fit(weighed, free, np.array([there.get(f.row, 0.0) for f in free]))

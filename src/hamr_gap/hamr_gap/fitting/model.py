@@ -110,6 +110,11 @@ class Model:
         usual = [*[scales.coordinate] * joints, *[scales.coordinate / scales.time] * joints] * len(self.pieces)
         return [Free(f"{START}.{k}", scale, -np.inf, np.inf, 0.0, 1.0) for k, scale in enumerate(usual)]
 
+    def with_starts(self, free: Sequence[Free], x: np.ndarray) -> tuple[list[Free], np.ndarray]:
+        """Free numbers with their values, of another length of pieces, and behind them what moves the starts of these, as measured."""
+        own, moving = [k for k, f in enumerate(free) if not f.row.startswith(START)], self.free_starts
+        return [*(free[k] for k in own), *moving], np.concatenate([x[own], np.zeros(len(moving))])
+
     def rows(self, free: Sequence[Free], x: np.ndarray) -> np.ndarray:
         """(K, rows) lane parameters of (K, P) or (P,) free numbers, and behind them what moves starts, if any of these does.
 

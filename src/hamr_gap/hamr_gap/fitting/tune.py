@@ -11,7 +11,7 @@ from hamr_dynamics.machine import Machine
 from ..data.record import Record
 from .fit import Fit, explains, fit
 from .initial_states import InitialStates
-from .model import BAND, START, Model
+from .model import BAND, Model
 from .parameters import CHANGE_SD, Free, changes
 from .pieces import FEWEST, telling
 from .roles import Roles, mask, roles_of
@@ -101,10 +101,7 @@ def _longer(best: Tuned) -> Tuned | None:
         return None
     roles = roles_of(twice, model.machine.to_si["T"])
     weighed = replace(best.weighed, model=twice, coarse=twice, chosen=mask(twice, roles.fit), initial=None, shorter=best.weighed)
-    own = [k for k, f in enumerate(found.free) if not f.row.startswith(START)]
-    free = [*(found.free[k] for k in own), *twice.free_starts]
-    begun = np.concatenate([found.x[own], np.zeros(len(twice.free_starts))])
-    return Tuned(weighed, fit(weighed, free, begun), roles)
+    return Tuned(weighed, fit(weighed, *twice.with_starts(found.free, found.x)), roles)
 
 
 def _lost(tuned: Tuned) -> bool:

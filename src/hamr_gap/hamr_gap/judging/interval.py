@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..fitting.fit import Fit
 from ..fitting.linear import jacobian
+from ..fitting.parameters import Free
 from ..fitting.weighed import Weighed
 from ..naming.hypothesis import residual
 from .colour import correlation_time
@@ -36,8 +39,13 @@ def intervals(weighed: Weighed, found: Fit) -> np.ndarray:
         derivatives[:, :n] = moved
     covariance = inflation * _inverse(derivatives.T @ derivatives + np.diag(precision))
     half = NORMAL_95 * np.sqrt(np.diag(covariance)[:n])
-    low, high = (np.array([getattr(f, name) for f in found.free]) for name in ("low", "high"))
-    return np.stack([np.maximum(found.x - half, low), np.minimum(found.x + half, high)], 1)
+    return within(found.free, found.x, half)
+
+
+def within(free: Sequence[Free], x: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(P, 2) intervals of x (P,) that reach half (P,) to either side, but not beyond the bounds."""
+    low, high = (np.array([getattr(f, name) for f in free]) for name in ("low", "high"))
+    return np.stack([np.maximum(x - half, low), np.minimum(x + half, high)], 1)
 
 
 def _inverse(hessian: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from hamr_dynamics.effects.si import si_factor, si_unit
 from ..answers.found import STATES, Found
 from ..fitting.parameters import Free
 from ..judging.colour import correlation_time
-from ..judging.interval import NORMAL_95
+from ..judging.interval import NORMAL_95, within
 from ..judging.verdict import Answer, Estimate, Gap, NamedEffect, Verdict
 from ..naming.hypothesis import Hypothesis
 from .analyse import analyse
@@ -108,8 +108,7 @@ def _intervals(state: Search, found: Fit) -> np.ndarray:
     scale = 1.0 / np.sqrt(np.diag(found.hessian))
     inverse = np.linalg.pinv(found.hessian * scale[:, None] * scale, hermitian=True) * scale[:, None] * scale
     half = NORMAL_95 * np.sqrt(np.minimum(np.diag(inverse) * inflation, np.square([f.sd for f in found.free])))
-    low, high = (np.array([getattr(f, name) for f in found.free]) for name in ("low", "high"))
-    return np.stack([np.maximum(found.x - half, low), np.minimum(found.x + half, high)], 1)
+    return within(found.free, found.x, half)
 
 
 def _estimates(state: Search, found: Fit) -> dict[str, tuple[Free, float, float, float]]:

@@ -43,8 +43,7 @@ def left_of(replay: Replay, begun: Started) -> tuple[float, np.ndarray, np.ndarr
     residual = begun.residual[:, :-CHANGES]
     left, each = trimmed(residual)
     block = (replay.segments.first * replay.segments.walk.step // BLOCK_MS).astype(int)
-    usual = _usual(each)
-    return left, np.array([each[block == b].mean() for b in np.unique(block)]), replay.some(usual).observed.parts(residual[usual] ** 2)
+    return left, np.array([each[block == b].mean() for b in np.unique(block)]), replay.observed.parts(residual**2, _usual(each))
 
 
 def floors(replay: Replay, slopes: np.ndarray) -> np.ndarray:

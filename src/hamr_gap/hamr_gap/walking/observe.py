@@ -78,10 +78,10 @@ class Observed:
         s = len(each)
         return each[:, : self.angle_readings].reshape(s, -1, 8), each[:, self.angle_readings :].reshape(s, -1, 6)
 
-    def parts(self, each: np.ndarray) -> np.ndarray:
-        """(7,) means of the same: of all angles, and of each axis of the chassis."""
-        angles, poses = self.apart(each)
-        return np.array([angles.mean(), *poses[self.there].mean(0)])
+    def parts(self, each: np.ndarray, some: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """(7,) means of the same over some segments: of all angles, and of each axis of the chassis."""
+        angles, poses = self.apart(each[some])
+        return np.array([angles.mean(), *poses[self.there[some]].mean(0)])
 
     @property
     def angle_readings(self) -> int:
