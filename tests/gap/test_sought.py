@@ -234,6 +234,7 @@ def test_pairs_without_an_effect_that_leaves_little_are_not_fitted(rubbing, monk
     for module, limit in ((search, "CLEAR"), (tried, "FAINT"), (tried, "ENOUGH")):
         monkeypatch.setattr(module, limit, 0.0)
     monkeypatch.setattr(search, "LARGEST", 2)
+    monkeypatch.setattr(search, "noise_floor", lambda *_: 0.5)  # so that both leave something
     for move in ("pairs_of", "beside"):
         monkeypatch.setattr(search, move, lambda *_, move=move: told.append(move) or [])
     for move in ("exchange", "twins", "_simplify"):
