@@ -6,6 +6,7 @@ long as the machine alone, and a lane seldom uses more than three.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from types import ModuleType
 
@@ -22,9 +23,9 @@ LANES = 8  # of a block: twice a vector of doubles, since one waits for itself; 
 RUN = """
 
 @jit
-def run(drives, first, start, param, used, substeps, mean, seen, end):
+def run(drives, first, start, param, used, substeps, mean, own, seen, end):
     align_stack()
-    work = aligned({size}, real)
+    work, total = aligned({size}, real), aligned({channels} * {lanes}, real)
     lanes = U({lanes})
     scale = real(1.0 / mean)
     for b in range(param.shape[0]):
@@ -32,16 +33,20 @@ def run(drives, first, start, param, used, substeps, mean, seen, end):
             work[U({state_at}) + U(i)] = start[b, i]
         for i in range(param.shape[1]):
             work[U({param_at}) + U(i)] = param[b, i]
-        for k in range(seen.shape[1] * mean * substeps):
-            for e in range(lanes):
-                at = first[b, e] + k
-                for j in range({joints}):
-                    work[U({drive_at}) + U(j) * lanes + U(e)] = drives[at, j]
+        for row in range(seen.shape[2]):
+            total[:] = 0.0
+            for k in range(mean * substeps):
+                for e in range(lanes):
+                    at = first[b, e] + row * mean * substeps + k
+                    for j in range({joints}):
+                        work[U({drive_at}) + U(j) * lanes + U(e)] = drives[at, j]
 {step}
-            if k % substeps == 0:
-                row = k // substeps // mean
-                for i in range({channels} * {lanes}):
-                    seen[b, row, i] += scale * work[U({seen_at}) + U(i)]
+                if k % substeps == 0:
+                    for i in range({channels} * {lanes}):
+                        total[U(i)] += scale * work[U({seen_at}) + U(i)]
+            for c in range(own.shape[0]):
+                for e in range({lanes}):
+                    seen[b, e, row, c] = total[own[c] * {lanes} + e]
         for i in range(end.shape[1]):
             end[b, i] = work[U({state_at}) + U(i)]
 """
@@ -53,7 +58,7 @@ def source(machine: Machine) -> str:
     for array, rows in arrays(machine).items():
         places[array] = places[f"new_{array}"] = end
         end += len(rows) * LANES
-    functions, step = parts_source(machine, places, depth=12)
+    functions, step = parts_source(machine, places, depth=16)
     head = HEADER.format(plant=f"{len(machine.joints)} joints", environment="machine", dtype="float64")
     return head + functions + RUN.format(
         size=end, lanes=LANES, joints=len(machine.joints), channels=len(machine.channels), step=step,
@@ -94,7 +99,8 @@ def used_laws(machine: Machine, param: np.ndarray) -> np.ndarray:
 
 def simulate(
     machine: Machine, drives: np.ndarray, parameters: np.ndarray, *, step: float, substeps: int, mean: int = 1,
-    first: np.ndarray | None = None, start: np.ndarray | None = None, samples: int | None = None, every_law: bool = False,
+    first: np.ndarray | None = None, start: np.ndarray | None = None, samples: int | None = None,
+    channels: Sequence[int] | None = None, every_law: bool = False,
 ) -> np.ndarray:  # fmt: skip
     """Free runs of K lanes; neighbours in a block take the time of all laws that any of them uses.
 
@@ -105,6 +111,7 @@ def simulate(
         first: (K,) index of the drive at which a lane starts; 0 if not given.
         start: (K, states) initial states as `machine.state_rows`; rest if not given.
         samples: readings wanted of each lane; as many as the drives last if not given.
+        channels: those that are read, by number; all of `machine.channels` if not given.
         every_law: works out laws of size zero too; the readings are the same.
 
     Returns:
@@ -112,7 +119,8 @@ def simulate(
     """
     if samples is None:
         samples = len(drives) // (substeps * mean)
-    return _run(machine, drives, parameters, step, substeps, mean, first, start, samples, every_law)[0]
+    own = range(len(machine.channels)) if channels is None else channels
+    return _run(machine, drives, parameters, step, substeps, mean, first, start, samples, own, every_law)[0]
 
 
 def final_states(
@@ -122,10 +130,12 @@ def final_states(
 
     Internal states of a law of size zero mean nothing: they stay, or follow if another lane of the block uses the law.
     """
-    return _run(machine, drives, parameters, step, 1, 1, first, start, steps)[1]
+    return _run(machine, drives, parameters, step, 1, 1, first, start, steps, ())[1]
 
 
-def _run(machine, drives, parameters, step, substeps, mean, first, start, samples, every_law=False) -> tuple[np.ndarray, np.ndarray]:
+def _run(
+    machine, drives, parameters, step, substeps, mean, first, start, samples, channels, every_law=False,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     lanes = len(parameters)
     blocks = -(-lanes // LANES)
     param = _blocks(np.asarray(parameters, float), blocks)
@@ -134,19 +144,14 @@ def _run(machine, drives, parameters, step, substeps, mean, first, start, sample
     begin = np.zeros((lanes, len(machine.state_rows))) if start is None else np.asarray(start, float)
     at = np.zeros(blocks * LANES, np.int64)
     at[:lanes] = 0 if first is None else first
-    seen = np.zeros((blocks, samples, len(machine.channels) * LANES))
+    seen = np.empty((blocks, LANES, samples, len(channels)))
     end = np.empty((blocks, len(machine.state_rows) * LANES))
-    used = used_laws(machine, param) | every_law
+    used, own = used_laws(machine, param) | every_law, np.array(channels, np.int64)
     module(machine).run(
-        np.ascontiguousarray(drives, float), at.reshape(blocks, LANES), _blocks(begin, blocks), param, used, substeps, mean, seen, end
+        np.ascontiguousarray(drives, float), at.reshape(blocks, LANES), _blocks(begin, blocks), param, used, substeps, mean, own, seen, end
     )
-    return _lanes(seen, samples, len(machine.channels), lanes), _lanes(end, 1, len(machine.state_rows), lanes)[:, 0]
-
-
-def _lanes(x: np.ndarray, samples: int, width: int, lanes: int) -> np.ndarray:
-    """(blocks, samples * width * LANES) -> (lanes, samples, width)."""
-    by_lane = x.reshape(len(x), samples, width, LANES).transpose(0, 3, 1, 2)
-    return by_lane.reshape(len(x) * LANES, samples, width)[:lanes]
+    ends = end.reshape(blocks, -1, LANES).transpose(0, 2, 1).reshape(blocks * LANES, -1)
+    return seen.reshape(blocks * LANES, samples, len(channels))[:lanes], ends[:lanes]
 
 
 def _blocks(x: np.ndarray, blocks: int) -> np.ndarray:

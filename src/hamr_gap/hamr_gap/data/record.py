@@ -15,7 +15,7 @@ from .resample import resampled
 SAME = 1e-4  # of a step, by which those of two records of one machine may differ
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Record:
     """Measured samples of one machine in its own units.
 

@@ -137,12 +137,11 @@ class Model:
     def run_rows(self, rows: np.ndarray, samples: int | None = None) -> np.ndarray:
         """(K, n, channels) of (K, rows) lane parameters; the first `samples` readings if said."""
         samples, step = samples or len(self.target), self.record.step / self.substeps
-        run = self._free(rows, samples, step) if self.pieces is None else self._piecewise(self.pieces, rows, samples, step)
-        return run[:, :, self.own]
+        return self._free(rows, samples, step) if self.pieces is None else self._piecewise(self.pieces, rows, samples, step)
 
     def _free(self, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
-        """As `run_rows`, all channels, each stretch from rest; straight on back to readings that show what was before."""
-        whole = np.zeros((len(rows), samples, len(self.machine.channels)))
+        """As `run_rows`, each stretch from rest; straight on back to readings that show what was before."""
+        whole = np.zeros((len(rows), samples, len(self.own)))
         for (begin, _), (start, stop) in zip(self.record.stretches, self.stretches, strict=True):
             if (count := min(stop, samples) - start) > self._unseen:
                 read = (start + self._unseen) * self.mean * self.substeps
@@ -154,7 +153,7 @@ class Model:
         return whole
 
     def _from_rest(self, rows: np.ndarray, begin: int, read: int, readings: int, step: float) -> np.ndarray:
-        """(K, readings, all channels) of a machine that is at rest at step `begin`, from the step on that is read at step `read`."""
+        """(K, readings, channels) of a machine that is at rest at step `begin`, from the step on that is read at step `read`."""
         start = np.zeros((len(rows), len(self.machine.state_rows)))
         start[:, self.machine.state_rows.index("time")] = begin * step
         first, begun = np.full(len(rows), begin), read - self._late - begin
@@ -162,11 +161,11 @@ class Model:
             start = machine_kernel.final_states(self.machine, self.drives, rows, step=step, steps=begun, first=first, start=start)
         return machine_kernel.simulate(
             self.machine, self.drives, rows, step=step, substeps=self.substeps, mean=self.mean,
-            first=first + begun, start=start, samples=readings,
+            first=first + begun, start=start, samples=readings, channels=self.own,
         )  # fmt: skip
 
     def _piecewise(self, pieces: Pieces, rows: np.ndarray, samples: int, step: float) -> np.ndarray:
-        """As `run_rows`, all channels, every piece in a lane of its own; zero where none is run."""
+        """As `run_rows`, every piece in a lane of its own; zero where none is run."""
         chosen = np.flatnonzero(self.wanted & (pieces.first < samples))
         first, stop = pieces.first[chosen], np.minimum(pieces.stop[chosen], samples)
         longest, steps = int((stop - first).max()), self.mean * self.substeps
@@ -178,7 +177,7 @@ class Model:
             state[:, : by.shape[2]] += by.reshape(-1, by.shape[2])
         y = machine_kernel.simulate(
             self.machine, drives, param, step=step, substeps=self.substeps, mean=self.mean, samples=longest,
-            first=np.tile(first * steps, len(rows)), start=state,
+            first=np.tile(first * steps, len(rows)), start=state, channels=self.own,
         )  # fmt: skip
         y = y.reshape(len(rows), len(chosen), longest, -1)
         whole = np.zeros((len(rows), samples, y.shape[-1]))

@@ -9,6 +9,7 @@ to the measured ones again.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -57,6 +58,7 @@ class Pieces:
         return [(int(a), int(b)) for a, b in zip(self.first, self.stop, strict=True)]
 
 
+@lru_cache(maxsize=8)  # models of one record, in coarse steps or fine, late or not, begin at the same starts
 def pieces_of(machine: Machine, record: Record, mean: int, length: float = 0.0) -> Pieces | None:
     """The parts in which a machine runs through a record, or None for free runs from rest: one, or one of each stretch.
 

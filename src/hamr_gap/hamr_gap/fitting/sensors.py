@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import correlate1d
+from numba import njit
 
 LITTLE = 0.001  # of a reading's step, that first order serves as well
-TAPS = np.arange(-3, 4)  # readings that a late one is interpolated from
+TAPS = range(-3, 4)  # readings that a late one is interpolated from
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,9 @@ class Sensors:
 
     def read(self, y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
         """(..., n, channels) readings of a run; from `starts` it starts as measured, so that there no shift moves it."""
-        return (1.0 + self.gain) * late(y, self.shift, step, starts) + self.bias
+        read = late(y, self.shift, step, starts)
+        flat = read.reshape(*y.shape[:-2], -1)  # so that inner loops are long
+        return (np.tile(1.0 + self.gain, y.shape[-2]) * flat + np.tile(self.bias, y.shape[-2])).reshape(y.shape)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a trial run that diverges has an infinite cost, which is all that is asked of it
@@ -41,11 +44,25 @@ def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -
         return y - shift * slope(y, step, starts) if shift else y
     whole = round(shift / step)
     part = shift / step - whole
-    reach = int(TAPS[-1]) + abs(whole)
+    reach = TAPS[-1] + abs(whole)
     wide = np.concatenate([beyond(y, reach), y, beyond(y[..., ::-1, :], reach)[..., ::-1, :]], axis=-2)
-    taps = np.array([_weight(j, -part) for j in TAPS])
-    first = reach - whole
-    return correlate1d(wide, taps, axis=-2)[..., first : first + y.shape[-2], :]
+    first = abs(whole) - whole
+    flat = wide.reshape(-1, *wide.shape[-2:])[:, first:].reshape(-1, (wide.shape[-2] - first) * wide.shape[-1])
+    found = np.empty(y.shape)
+    _interpolate(flat, tuple(_weight(j, -part) for j in TAPS), y.shape[-1], found.reshape(len(flat), -1))
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _interpolate(y, taps, apart, found):
+    """Fills (K, m) with what taps make of (K, m + 6 apart or more), of which neighbours are so far apart."""
+    apart = np.uint64(apart)
+    for k in range(len(found)):
+        for i in range(found.shape[1]):
+            total = 0.0
+            for j in range(len(taps)):
+                total += taps[j] * y[k, np.uint64(i) + np.uint64(j) * apart]
+            found[k, i] = total
 
 
 def beyond(y: np.ndarray, count: int) -> np.ndarray:
@@ -56,8 +73,7 @@ def beyond(y: np.ndarray, count: int) -> np.ndarray:
 
 def _weight(j: int, x: float) -> float:
     """Lagrange polynomial of a tap at x."""
-    others = TAPS[j != TAPS]
-    return float(np.prod((x - others) / (j - others)))
+    return math.prod((x - other) / (j - other) for other in TAPS if other != j)
 
 
 def slope(y: np.ndarray, step: float, starts: Sequence[int] = ()) -> np.ndarray:
