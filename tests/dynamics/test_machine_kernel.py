@@ -56,6 +56,12 @@ def test_a_lane_runs_the_same_alone_and_among_others(lanes):
         assert np.array_equal(run(rows[[i]])[0], together[i])
 
 
+@pytest.mark.parametrize("channels", [(0, 1), (2, 0), (3,), ()])
+def test_channels_are_read_as_among_all(channels):
+    rows = rows_of([[(k, 1.0)] for k in range(LANES + 3)])
+    assert np.array_equal(run(rows, channels=channels), run(rows)[:, :, list(channels)])
+
+
 @pytest.mark.parametrize("which", range(len(PLACES)), ids=[f"{name}.{form.name}.{place}" for name, form, place in PLACES])
 def test_each_law_is_used_where_one_size_is_not_zero(which):
     """By any of its sizes, in any lane, in its block alone; shapes and changes use none."""

@@ -27,7 +27,7 @@ def test_a_late_clock_reads_what_was_before(steps):
 
 def test_a_line_is_late_by_the_same_everywhere():
     line = np.column_stack([2.0 * TIME, 1.0 - TIME])
-    for shift in (-2.5 * STEP, 1.3 * STEP):
+    for shift in (-40.2 * STEP, -2.5 * STEP, 1.3 * STEP, 12.4 * STEP):
         assert late(line, shift, STEP) == pytest.approx(np.column_stack([2.0 * (TIME - shift), 1.0 - TIME + shift]), abs=1e-12)
 
 

@@ -46,22 +46,21 @@ def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -
     part = shift / step - whole
     reach = TAPS[-1] + abs(whole)
     wide = np.concatenate([beyond(y, reach), y, beyond(y[..., ::-1, :], reach)[..., ::-1, :]], axis=-2)
-    first = abs(whole) - whole
-    flat = wide.reshape(-1, *wide.shape[-2:])[:, first:].reshape(-1, (wide.shape[-2] - first) * wide.shape[-1])
-    found = np.empty(y.shape)
-    _interpolate(flat, tuple(_weight(j, -part) for j in TAPS), y.shape[-1], found.reshape(len(flat), -1))
+    found, channels = np.empty(y.shape), y.shape[-1]
+    taps, first = tuple(_weight(j, -part) for j in TAPS), reach - TAPS[-1] - whole
+    _interpolate(wide.reshape(-1, wide.shape[-2] * channels), taps, first * channels, channels, found.reshape(-1, y.shape[-2] * channels))
     return found
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _interpolate(y, taps, apart, found):
-    """Fills (K, m) with what taps make of (K, m + 6 apart or more), of which neighbours are so far apart."""
-    apart = np.uint64(apart)
+def _interpolate(y, taps, first, apart, found):
+    """Fills (K, m) with what taps make of (K, more), from the first on, of which neighbours are so far apart."""
+    first, apart = np.uint64(first), np.uint64(apart)  # for no index that may be negative makes a fast loop
     for k in range(len(found)):
         for i in range(found.shape[1]):
             total = 0.0
             for j in range(len(taps)):
-                total += taps[j] * y[k, np.uint64(i) + np.uint64(j) * apart]
+                total += taps[j] * y[k, first + np.uint64(i) + np.uint64(j) * apart]
             found[k, i] = total
 
 
