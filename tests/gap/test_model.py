@@ -69,6 +69,19 @@ def test_a_late_piece_is_driven_by_what_was_before(record, preloaded, samples):
     np.testing.assert_allclose(*runs, rtol=1e-12, atol=1e-15)
 
 
+@pytest.mark.parametrize("piece", [0.0, 40 * MEAN * STEP])
+def test_a_run_is_read_as_the_record_is(record, preloaded, piece):
+    """Free or in pieces: its channels, in its order, though the machine has others too."""
+    made = {"piece": piece, "scales": scales_of(LEG, record), "substeps": SUBSTEPS, "mean": MEAN}
+    every = replace(record, rest=not piece)
+    turned = Model(LEG, replace(every, readings=record.readings[:, ::-1], channels=LEG.channels[::-1]), **made)
+    few = Model(LEG, replace(every, readings=record.readings[:, 1::-1], channels=LEG.channels[1::-1]), **made)
+    run = Model(LEG, every, **made).runs(*preloaded)[0]
+    assert np.ptp(run, axis=0).min() > 0.0
+    np.testing.assert_array_equal(turned.runs(*preloaded)[0], run[:, ::-1])
+    np.testing.assert_array_equal(few.runs(*preloaded)[0], run[:, 1::-1])
+
+
 @pytest.mark.parametrize("delay", [-1e6, 1e6])
 def test_clocks_are_never_so_late_that_nothing_is_left(record, preloaded, delay):
     model = Model(LEG, record, SUBSTEPS, MEAN, scales_of(LEG, record), delay=delay)
