@@ -56,6 +56,13 @@ def test_a_lane_runs_the_same_alone_and_among_others(lanes):
         assert np.array_equal(run(rows[[i]])[0], together[i])
 
 
+def test_drives_that_end_too_early_are_not_read_on():
+    rows = rows_of([[]])
+    assert simulate(LEG, DRIVES, rows, step=SERVO_MS, substeps=1, first=np.array([100]), samples=300).shape == (1, 300, 4)
+    with pytest.raises(ValueError, match="end after 400 steps, a run after 401"):
+        simulate(LEG, DRIVES, rows, step=SERVO_MS, substeps=1, first=np.array([101]), samples=300)
+
+
 @pytest.mark.parametrize("channels", [(0, 1), (2, 0), (3,), ()])
 def test_channels_are_read_as_among_all(channels):
     rows = rows_of([[(k, 1.0)] for k in range(LANES + 3)])

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.ndimage import correlate1d
 
 from hamr_gap.fitting.sensors import Sensors, late, slope
 
@@ -29,6 +30,20 @@ def test_a_line_is_late_by_the_same_everywhere():
     line = np.column_stack([2.0 * TIME, 1.0 - TIME])
     for shift in (-40.2 * STEP, -2.5 * STEP, 1.3 * STEP, 12.4 * STEP):
         assert late(line, shift, STEP) == pytest.approx(np.column_stack([2.0 * (TIME - shift), 1.0 - TIME + shift]), abs=1e-12)
+
+
+@pytest.mark.parametrize("whole", [-17, 0, 5])
+def test_late_readings_are_those_of_another_library_to_the_bit(whole):
+    """No fit takes another way for how sums are rounded."""
+    y, ahead = np.random.default_rng(2).normal(size=(400, 2)).cumsum(0), 0.25
+    taps = lagrange_weights(np.arange(-3, 4), ahead)
+    inside = slice(24, -24)
+    expected = np.roll(correlate1d(y, taps, axis=0), whole, axis=0)
+    np.testing.assert_array_equal(late(y, whole - ahead, 1.0)[inside], expected[inside])
+
+
+def lagrange_weights(nodes: np.ndarray, x: float) -> np.ndarray:
+    return np.array([np.prod((x - nodes[nodes != node]) / (node - nodes[nodes != node])) for node in nodes])
 
 
 def test_runs_are_read_each_as_alone():

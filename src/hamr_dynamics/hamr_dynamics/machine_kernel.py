@@ -116,6 +116,9 @@ def simulate(
 
     Returns:
         (K, readings, channels).
+
+    Raises:
+        ValueError: the drives end before a run does.
     """
     if samples is None:
         samples = len(drives) // (substeps * mean)
@@ -144,6 +147,8 @@ def _run(
     begin = np.zeros((lanes, len(machine.state_rows))) if start is None else np.asarray(start, float)
     at = np.zeros(blocks * LANES, np.int64)
     at[:lanes] = 0 if first is None else first
+    if (last := int(at.max()) + samples * mean * substeps) > len(drives):  # the kernel would read on beyond them
+        raise ValueError(f"The drives end after {len(drives)} steps, a run after {last}.")
     seen = np.empty((blocks, LANES, samples, len(channels)))
     end = np.empty((blocks, len(machine.state_rows) * LANES))
     used, own = used_laws(machine, param) | every_law, np.array(channels, np.int64)

@@ -52,15 +52,19 @@ def late(y: np.ndarray, shift: float, step: float, starts: Sequence[int] = ()) -
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy")
 def _interpolate(y, taps, first, apart, found):
-    """Fills (K, m) with what taps make of (K, more), from the first on, of which neighbours are so far apart."""
+    """Fills (K, m) with what taps make of (K, more), from the first on, of which neighbours are so far apart.
+
+    The last tap is added first and nothing is fused: so readings are those of `scipy.ndimage.correlate1d` to the bit, on any processor.
+    """
     first, apart = np.uint64(first), np.uint64(apart)  # for no index that may be negative makes a fast loop
     for k in range(len(found)):
         for i in range(found.shape[1]):
-            total = 0.0
-            for j in range(len(taps)):
-                total += taps[j] * y[k, first + np.uint64(i) + np.uint64(j) * apart]
+            at = first + np.uint64(i)
+            total = taps[-1] * y[k, at + np.uint64(len(taps) - 1) * apart]
+            for j in range(len(taps) - 1):
+                total += taps[j] * y[k, at + np.uint64(j) * apart]
             found[k, i] = total
 
 
