@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from hamr_description.names import LEGS
 from hamr_description.numbers import value
 from hamr_gap.data.record import Record
-from hamr_gap.legs import SHAKEN_MS, clear_of_stops, machine_of
+from hamr_gap.legs import NEAR_STOP, SHAKEN_MS, clear_of_stops, machine_of
 
 CHANNELS = ("fl_swing", "fl_lift", "fl_swing_actuator", "fl_lift_actuator")
 STEP = 0.25  # ms
@@ -51,3 +52,21 @@ def test_frequent_hits_are_forgotten_sooner_rather_than_leave_little(every, ms):
 
 def test_every_reading_stays_where_nothing_hits():
     assert clear(clear_of_stops(record([]))).all()
+
+
+@pytest.mark.parametrize("leg", LEGS)
+@pytest.mark.parametrize("joint", [0, 1])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_hip_angles_tell_of_hits_where_tips_were_not_measured(leg, joint, side):
+    machine, channels = machine_of("full", leg), (f"{leg}_swing", f"{leg}_lift")
+
+    def beyond(q: float) -> float:
+        """mm past the stop, of the whole geometry."""
+        return side * machine.outputs(tuple(q * (i == joint) for i in (0, 1)), (0.0, 0.0))[2 + joint] - value("actuator.stop")
+
+    told = []
+    for share in (NEAR_STOP - 0.05, NEAR_STOP + 0.05):
+        readings = np.zeros((4000, 2))
+        readings[1000, joint] = share * brentq(beyond, 0.0, 0.8 * side)
+        told.append(np.isfinite(clear_of_stops(Record(np.zeros((4000, 2)), readings, STEP, channels)).readings).all())
+    assert told == [True, False]

@@ -8,9 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from hamr_description.names import JOINTS, MIRROR, drive_sign, joint_signs
+from hamr_description.names import AXES, JOINTS, MIRROR, drive_sign, joint_signs
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
+from hamr_description.simple_constants import simple_constants
 from hamr_description.units import length_from_si
 from hamr_dynamics.machine import Machine, leg_machine
 from hamr_dynamics.plant import plant
@@ -54,12 +55,24 @@ def record_of(measured: Measured, leg: str, joints: Sequence[str] = JOINTS) -> R
 def clear_of_stops(record: Record) -> Record:
     """The record without the readings just after an actuator met its end stop: how hard it hit decides on too much that follows.
 
-    Where hits come so often that little would be left, or tips were not measured, all stay.
+    Where tips were not measured, hip angles tell: those that HAMR-simple has at its stops (`simple.yaml`). Where hits come so often that
+    little would be left, all stay.
     """
-    tips = [i for i, name in enumerate(record.channels) if name.endswith("_actuator")]
-    hit = (np.abs(np.nan_to_num(record.readings[:, tips])) > NEAR_STOP * value("actuator.stop")).any(1)
+    tips = [i for i, name in enumerate(record.channels) if name.endswith("_actuator")] or range(len(record.channels))
+    low, high = np.array([_stops(record.channels[i]) for i in tips]).T
+    seen = np.nan_to_num(record.readings[:, tips])
+    hit = ((seen < NEAR_STOP * low) | (seen > NEAR_STOP * high)).any(1)
     for ms, enough in SHAKEN_MS:
         clear = np.convolve(hit, np.ones(int(ms / record.step)))[: len(hit)] == 0
         if clear.mean() >= enough:
             return replace(record, readings=np.where(clear[:, None], record.readings, np.nan))
     return record
+
+
+def _stops(channel: str) -> tuple[float, float]:
+    """What a channel reads at the lower and at the upper end stop of its actuator (mm of a tip, rad of a hip)."""
+    leg, axis, *tip = channel.split("_")
+    if tip:
+        return -value("actuator.stop"), value("actuator.stop")
+    hip = simple_constants()["front" if leg.startswith("f") else "rear"]
+    return tuple(hip[f"stop_{side}"][AXES.index(axis)] for side in ("low", "high"))
