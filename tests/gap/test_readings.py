@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 from shaken_leg import STEP
 
-from hamr_gap.data.readings import fresh
+from hamr_gap.data.readings import fresh, noise_of
 from hamr_gap.data.record import Record
 from hamr_gap.judging.colour import correlation_time
 
@@ -19,6 +19,15 @@ def test_correlated_readings_count_less(share):
     """Of a first-order process, (1 + a) / (1 - a) readings say what one independent reading would."""
     x = lfilter([1.0], [1.0, -share], np.random.default_rng(0).standard_normal((40_000, 2)), axis=0)
     assert correlation_time(x) == pytest.approx((1 + share) / (1 - share), rel=0.15)
+
+
+@pytest.mark.parametrize("motion", [0.0, 100.0])
+def test_noise_is_what_it_is_on_average(motion):
+    """Beside a smooth motion too: estimated from 2000 samples, 200 times."""
+    rng = np.random.default_rng(1)
+    smooth = motion * np.sin(np.linspace(0.0, 60.0, 2000))[:, None]
+    squares = [noise_of(smooth + rng.standard_normal((2000, 1)))[0] ** 2 for _ in range(200)]
+    assert np.mean(squares) == pytest.approx(1.0, abs=0.02)  # the mean is known to 0.005
 
 
 def test_what_was_sent_again_is_left_out():

@@ -10,6 +10,7 @@ import numpy as np
 from .record import Record
 
 SELDOM = 0.02  # of all repeats, that other steps are more than if not all is repeated
+CHANCE = 2.0  # over the root of the number of samples: share by which two estimates of one noise differ
 CATCHES_UP = 0.6  # of the usual step, that steps after repeated samples are at least if those were old ones
 
 
@@ -40,18 +41,22 @@ def sensor_noise(record: Record) -> np.ndarray:
 def noise_of(x: np.ndarray) -> np.ndarray:
     """(channels,) standard deviation of white noise in (n, channels) samples of smooth signals, from differences.
 
-    Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the least over the orders is taken, but no
-    less than the rounding of a sensor with steps, which looks free of noise where it rests on one of them. What stands still for most
-    of the time is judged by where it moves.
+    Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the first order is taken that leaves no more than
+    the least of all does, but for chance, for the least of several is too small by chance. It is no less than the rounding of a sensor with
+    steps, which looks free of noise where it rests on one of them. What stands still for most of the time is judged by where it moves.
     """
-    best = np.full(x.shape[1], np.inf)
+    found = []
     for order in range(1, 9):
         d = np.diff(x, order, axis=0)
         d = d[np.isfinite(d).all(1)]
         if len(d) < 30:
             break
-        best = np.minimum(best, 1.4826 * np.array([_usual(c) for c in np.abs(d).T]) / np.sqrt(comb(2 * order, order)))
-    return np.maximum(best, [rounding(column) for column in x.T])
+        found.append(1.4826 * np.array([_usual(c) for c in np.abs(d).T]) / np.sqrt(comb(2 * order, order)))
+    if not found:
+        return np.full(x.shape[1], np.inf)
+    spread = np.array(found)
+    close = spread <= spread.min(0) * (1.0 + CHANCE / np.sqrt(len(x)))
+    return np.maximum(spread[close.argmax(0), range(x.shape[1])], [rounding(column) for column in x.T])
 
 
 def _usual(sizes: np.ndarray) -> float:
