@@ -1,8 +1,9 @@
 """How far apart fitted hypotheses are under other drives, beside the record that they were fitted to.
 
 One of two is taken for right: what it would read, of the record and of a run under other drives after it, without noise. What a refit of
-the other to both runs leaves of that is what the run shows. Linearly that is done in a moment, but a relaxing spring that takes the part
-of a creeping drive goes a long way for it, and then the linear picture shows them much further apart than they are.
+the other to both runs leaves of that is what the run shows. Linearly that is done in a moment, of all readings, but a relaxing spring that
+takes the part of a creeping drive goes a long way for it, and then the linear picture shows them much further apart than they are; and
+what a short run shows may lie where it is not judged.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from functools import cached_property
 
 import numpy as np
 
+from hamr_description.errors import BagError
+
 from ..data.record import Record, joined
 from ..fitting.corrected import Corrected
 from ..fitting.fit import fit
 from ..fitting.linear import jacobian
 from ..fitting.model import Model
-from ..fitting.roles import SHARES
+from ..fitting.roles import mask, roles_of
 from ..fitting.sensors import Sensors
 from ..fitting.weighed import Weighed
 from ..naming.blocks import foreseen
@@ -36,7 +39,7 @@ class Apart:
     """What a refit leaves: mean squares of readings in units of their noise, of the record and of the run after it.
 
     Attributes:
-        record: zero where the run stands for itself. run. throughout: t by which that is seen in block after block of all readings judged.
+        record: zero where the run stands for itself. run. throughout: t by which that is seen in block after block of both.
     """
 
     record: float
@@ -68,6 +71,15 @@ def after(prepared: Prepared, run: Record) -> Weighed:
     return replace(prepared.weighed, model=both, coarse=coarse, chosen=np.isfinite(both.target), initial=None)
 
 
+def served(weighed: Weighed) -> tuple[np.ndarray, np.ndarray]:
+    """(n, channels) readings of a record and a run after it that will be fitted, and that will be judged; all, where they are too few."""
+    try:
+        roles = roles_of(weighed.model, weighed.model.machine.to_si["T"])
+    except BagError:
+        return weighed.chosen, weighed.chosen
+    return mask(weighed.model, roles.fit), mask(weighed.model, roles.select)
+
+
 def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
     """Drives (n, joints), smaller where a rival would go further than was measured: into end stops, where nothing can be predicted."""
     reach = WITHIN * np.nanmax(np.abs(model.target), axis=0)
@@ -85,9 +97,10 @@ def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
 class Follower:
     """A hypothesis that follows what another one would have read, as well as its parameters and the sensors' let it."""
 
-    def __init__(self, weighed: Weighed, own: int, h: Hypothesis) -> None:
-        """Of a hypothesis in `weighed`, whose first `own` readings are those of the record."""
-        self._weighed, self._own, self._h = weighed, own, h
+    def __init__(self, weighed: Weighed, own: int, h: Hypothesis, fitted: np.ndarray, judged: np.ndarray) -> None:
+        """Of a hypothesis in `weighed`, whose first `own` readings are those of the record; a refit fits some (n, channels), others are
+        judged."""
+        self._weighed, self._own, self._h, self._fitted, self._judged = weighed, own, h, fitted, judged
 
     @cached_property
     def run(self) -> np.ndarray:
@@ -109,22 +122,24 @@ class Follower:
         """What would be left of readings (n, channels), if all were linear; nothing of a hypothesis that diverges, or of what does."""
         off = self._weighed.vector(truth - self.run)
         left = off - self._basis[: len(off)] @ (self._basis[: len(off)].T @ off)
-        return self._of(left) if np.isfinite(left).all() else Apart(0.0, 0.0)
+        return self._of(left, self._weighed.chosen) if np.isfinite(left).all() else Apart(0.0, 0.0)
 
     def refitted(self, truth: np.ndarray) -> Apart:
-        """What is left of readings (n, channels) after a refit; nothing of a hypothesis that diverges."""
+        """What is left of readings (n, channels), as a verdict on both runs would find: of those judged, after a refit to those fitted.
+        Nothing of a hypothesis that diverges."""
         if not np.isfinite(self.run).all():
             return Apart(0.0, 0.0)
         model = copy(self._weighed.model)
         model.target = np.where(np.isfinite(model.target), truth, np.nan)
-        weighed = replace(self._weighed, model=model)
-        return self._of(weighed.vector(model.target - fit(weighed, self._h.fit.free, self._h.fit.x, tolerance=NEAR).reading))
+        fitted, judged = (replace(self._weighed, model=model, chosen=part) for part in (self._fitted, self._judged))
+        found = fit(fitted, self._h.fit.free, self._h.fit.x, tolerance=NEAR)
+        return self._of(judged.vector(model.target - found.reading), self._judged)
 
-    def _of(self, left: np.ndarray) -> Apart:
-        square = np.full(self._weighed.chosen.shape, np.nan)
-        square[self._weighed.chosen] = left**2
+    def _of(self, left: np.ndarray, told: np.ndarray) -> Apart:
+        """Of what is left (m,) of readings `told` (n, channels)."""
+        square = np.full(told.shape, np.nan)
+        square[told] = left**2
         record, run = square[: self._own], square[self._own :]
         means = [float(np.nanmean(part)) if np.isfinite(part).any() else 0.0 for part in (record, run)]
-        blocks = [part[np.isfinite(part)] for part in np.array_split(square, BLOCKS)]
-        told = [(block.mean(), SHARES["select"] * block.size) for block in blocks if block.size]
-        return Apart(*means, throughout=foreseen(*zip(*told, strict=True)))
+        blocks = [part[np.isfinite(part)] for part in np.array_split(square[told.any(1)], BLOCKS)]
+        return Apart(*means, throughout=foreseen(*zip(*[(block.mean(), block.size) for block in blocks if block.size], strict=True)))

@@ -6,9 +6,10 @@ import numpy as np
 
 from hamr_dynamics.machine import Machine
 
-#: Shares of the largest drive that noise has as rms, and its band, in the machine's own pace. Beside its resonance a machine can be
-#: driven harder before it moves too far, and delays and lags show most where all is fast.
-NOISES = {"gentle noise": (0.15, 0.0, 2.0), "strong noise": (0.45, 0.0, 2.0), "fast noise": (0.45, 1.3, 3.0)}
+#: Shares of the largest drive that noise has as rms, and its band, in the machine's own pace. Well above its resonance a machine can be
+#: driven hard and moves little, and delays and lags show most where all is fast.
+NOISES = {"gentle noise": (0.15, 0.0, 2.0), "strong noise": (0.45, 0.0, 2.0), "fast noise": (0.6, 2.0, 4.0)}
+SAMPLED = 0.8  # of half the sampling rate, that noise may be as fast as
 PARTS = ("slow triangles", "gentle noise", "strong noise", "chirp")
 
 
@@ -41,7 +42,8 @@ def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str,
     rates = np.fft.rfftfreq(count, step) / pace
 
     def noise(level: float, slowest: float, fastest: float) -> np.ndarray:
-        x = np.fft.irfft(white * ((slowest <= rates) & (rates <= fastest))[:, None], count, axis=0)
+        slower = min(1.0, SAMPLED * rates[-1] / fastest)
+        x = np.fft.irfft(white * ((slower * slowest <= rates) & (rates <= slower * fastest))[:, None], count, axis=0)
         return np.clip(level * x / x.std(axis=0), -1.0, 1.0)
 
     span = t[-1, 0] + 1e-9

@@ -19,13 +19,13 @@ from ..naming.blocks import THROUGHOUT
 from ..naming.hypothesis import Hypothesis
 from ..naming.prepare import Prepared
 from ..naming.tried import FLOOR_ERROR
-from .apart import Apart, Follower, after, asked, shapes, within
+from .apart import Apart, Follower, after, asked, served, shapes, within
 
-TRIED_S = 4.0  # of each signal, at first
+LENGTHS_S = np.geomspace(4.5, 60.0, 8)  # a run is divided into fitted and judged readings of its own if 4 s of it serve
+TRIED_S = LENGTHS_S[0]  # of each signal, at first
 DECISIVE = 2.0 * np.log(COVERAGE / (1.0 - COVERAGE))  # log odds that both runs must make, whichever name is right and however likely now
 SURELY = THROUGHOUT + 1.0  # t over blocks to be expected, for it to be above `THROUGHOUT` in most runs
 LOOKS = 3  # in earnest, at runs longer than `TRIED_S`
-LENGTHS_S = np.geomspace(4.0, 60.0, 8)  # a record needs 4 s to be divided
 
 
 @dataclass(frozen=True)
@@ -169,8 +169,12 @@ class _Choice:
         prepared, record = self._prepared, self._prepared.weighed.model.record
         drives = within(prepared.weighed.model, drives, *(forms[0] for forms in self._rivals))
         both = after(prepared, run := asked(record, drives))
-        own = len(both.model.target) - len(run) // both.model.mean
-        return drives, Follower(both, own, prepared.base), [[Follower(both, own, h) for h in forms] for forms in self._rivals]
+        own, parts = len(both.model.target) - len(run) // both.model.mean, served(both)
+
+        def follower(h: Hypothesis) -> Follower:
+            return Follower(both, own, h, *parts)
+
+        return drives, follower(prepared.base), [[follower(h) for h in forms] for forms in self._rivals]
 
     def _odds(self, pair: _Pair, seconds: float, *, surely: bool = False) -> float:
         """Log odds for the right one of two names that the record and such a run of some seconds make together.
