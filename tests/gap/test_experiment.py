@@ -13,7 +13,7 @@ from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.data.record import Record, joined
 from hamr_gap.experiments.apart import WITHIN, Apart, Follower, after, asked
-from hamr_gap.experiments.excite import signals
+from hamr_gap.experiments.excite import NOISES, signals
 from hamr_gap.experiments.experiment import DECISIVE, Proposal, propose
 from hamr_gap.fitting.parameters import Candidate, effect_parameters
 from hamr_gap.judging.analyse import analyse
@@ -67,6 +67,19 @@ def test_signals_of_an_experiment_stay_within_the_drive_and_start_gently():
         assert x.std() > 0.05, name
     fast = np.abs(np.fft.rfft(signals(machine, 0.01, 3000)["fast noise"][:, 0])) ** 2
     assert fast[np.fft.rfftfreq(3000, 0.01) < 10.0 / (2 * np.pi)].sum() < 0.02 * fast.sum()  # nothing slower than the machine
+
+
+def test_noise_has_nothing_beyond_its_band_nor_high_peaks():
+    """Cut off at the largest drive it would have, between samples too, where nobody knows of it."""
+    machine = linear_machine("test_signals", inertia=1.0, stiffness=100.0)
+    found, step = signals(machine, 0.005, 12_000), 0.005
+    pace = 10.0 / (2.0 * np.pi)
+    for name, (level, _, fastest) in NOISES.items():
+        x = found[name][2000:]  # it has begun
+        power = np.abs(np.fft.rfft(x[:, 0] * np.hanning(len(x)))) ** 2
+        assert power[np.fft.rfftfreq(len(x), step) > 1.02 * fastest * pace].sum() < 1e-6 * power.sum()
+        assert x.std() == pytest.approx(level, rel=0.05)
+        assert np.abs(x).max() < 2.2 * x.std()
 
 
 def test_noise_is_no_faster_than_samples_can_be():

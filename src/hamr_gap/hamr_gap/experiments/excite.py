@@ -8,8 +8,9 @@ from hamr_dynamics.machine import Machine
 
 #: Shares of the largest drive that noise has as rms, and its band, in the machine's own pace. Well above its resonance a machine can be
 #: driven hard and moves little, and delays and lags show most where all is fast.
-NOISES = {"gentle noise": (0.15, 0.0, 2.0), "strong noise": (0.45, 0.0, 2.0), "fast noise": (0.6, 2.0, 4.0)}
+NOISES = {"gentle noise": (0.15, 0.0, 2.0), "strong noise": (0.45, 0.0, 2.0), "fast noise": (0.5, 2.0, 4.0)}
 SAMPLED = 0.8  # of half the sampling rate, that noise may be as fast as
+CREST, ROUNDS = 1.7, 10  # of its rms, that noise is kept below again and again, without leaving its band: its peaks come down to twice it
 PARTS = ("slow triangles", "gentle noise", "strong noise", "chirp")
 
 
@@ -43,8 +44,12 @@ def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str,
 
     def noise(level: float, slowest: float, fastest: float) -> np.ndarray:
         slower = min(1.0, SAMPLED * rates[-1] / fastest)
-        x = np.fft.irfft(white * ((slower * slowest <= rates) & (rates <= slower * fastest))[:, None], count, axis=0)
-        return np.clip(level * x / x.std(axis=0), -1.0, 1.0)
+        band = ((slower * slowest <= rates) & (rates <= slower * fastest))[:, None]
+        x = np.fft.irfft(white * band, count, axis=0)
+        for _ in range(ROUNDS):
+            most = CREST * x.std(axis=0)
+            x = np.fft.irfft(np.fft.rfft(np.clip(x, -most, most), axis=0) * band, count, axis=0)
+        return x * np.minimum(level / x.std(axis=0), 1.0 / np.abs(x).max(axis=0))
 
     span = t[-1, 0] + 1e-9
     low, high = 0.05, 2.0
