@@ -168,11 +168,23 @@ def test_what_no_name_explains_surely_is_said_too(retuned, told):
     """A swinging arm left 195 times the noise, and was told that no effect was missing."""
     own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": retuned, "floor": 1.0}, "detectable": {}}
     own |= {"tried": [{"effects": "drag", "count": 1, "left": 0.9}]}
-    found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "refused": {}, "experiment": None}
+    found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "parameters": [], "refused": {}, "experiment": None}
     said = sentences(found)
     assert ("4.0 times the noise at arm" in said[0]) == told
     assert ("What comes nearest at arm: drag leaves 90 % of the gap." in said) == told
     assert (said[0] == HEADLINES["parameters_only"]) == (not told)
+
+
+def test_which_parameters_a_retune_surely_changes_is_said():
+    """A motor that is 43 % weaker than its data sheet says is news, or dry friction."""
+    changed = [("damping", -0.095, -0.1, -0.07, "N*m*s/rad"), ("gain", -0.432, -0.478, -0.386, "1"), ("preload", -0.02, -0.05, 0.01, "N*m")]
+    parameters = [dict(zip(("name", "value", "low", "high", "unit"), row, strict=True)) | {"joint": "arm"} for row in changed]
+    own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": 1.0, "floor": 1.0}, "detectable": {}, "tried": []}
+    found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "refused": {}, "experiment": None}
+    said = "They change gain of arm by -43.2 (-47.8 to -38.6) %, damping of arm by -0.095 (-0.1 to -0.07) N*m*s/rad."
+    assert sentences(found | {"parameters": parameters})[1] == said
+    assert not any("They change" in sentence for sentence in sentences(found | {"parameters": parameters[2:]}))
+    assert "and 1 more, in the report." in sentences(found | {"parameters": [*parameters[:2] * 2]})[1]
 
 
 def test_legs_answer_together_and_the_least_certain_one_sets_the_tone():

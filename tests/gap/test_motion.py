@@ -168,6 +168,10 @@ def test_tables_may_have_them_in_their_units(tmp_path):
     np.savez(tmp_path / "a.npz", **{"time": 0.01 * np.arange(3), "drive": np.ones(3), "shaft_rate [rpm]": np.array([0.0, 30.0, 60.0])})
     record = record_of(MOTOR, tmp_path / "a.npz")
     assert record.channels == ("shaft_rate",) and record.readings[:, 0] == pytest.approx(np.pi * np.arange(3))
+    micro = linear_machine("piezo", inertia=1.0, stiffness=1.0, joint="tip", units={"F": "um", "Q": "um", "T": "s", "U": "V"})
+    for unit, factor in (("um", 1.0), ("mm", 1e3), ("m", 1e6)):  # of a machine whose own unit is not one of SI
+        np.savez(tmp_path / "c.npz", **{"time": 0.01 * np.arange(3), "drive": np.ones(3), f"tip [{unit}]": np.arange(3.0)})
+        assert record_of(micro, tmp_path / "c.npz").readings[:, 0] == pytest.approx(factor * np.arange(3))
     for name, said in (("shaft_rate [g]", "cannot be made rad/s, as motor has it"), ("speed", "no column for the sensor shaft;")):
         np.savez(tmp_path / "b.npz", **{"time": 0.01 * np.arange(3), "drive": np.ones(3), name: np.ones(3)})
         with pytest.raises(BagError, match=said):

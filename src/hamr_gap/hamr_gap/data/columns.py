@@ -91,10 +91,10 @@ def _factor(machine: Machine, dimension: str, unit: str, where: str) -> float:
     """What a column's numbers are times to be in the machine's units."""
     if not unit:
         return 1.0
-    if unit not in UNITS:
-        raise BagError(f"The unit '{unit}' of {where} is not known; write one of {', '.join(UNITS)}.")
-    factor, base = UNITS[unit]
     own, wanted = si_of(dimension, machine)
-    if base != wanted:
+    if unit not in UNITS and unit != wanted:
+        raise BagError(f"The unit '{unit}' of {where} is not known; write one of {', '.join(UNITS)}.")
+    (factor, base), (into, wanted_base) = (UNITS.get(name, (1.0, name)) for name in (unit, wanted))
+    if base != wanted_base:
         raise BagError(f"The unit '{unit}' of {where} cannot be made {wanted}, as {machine.name} has it; correct one of them.")
-    return factor / own
+    return factor / into / own

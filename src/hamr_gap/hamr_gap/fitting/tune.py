@@ -157,8 +157,9 @@ def _begun(weighed: Weighed, free: list[Free]) -> np.ndarray:
     tried = (np.array(INERTIAS)[:, None] - 1.0) * inertia
     if not weighed.model.starts:
         return tried[0]
-    left = [np.nanmean(weighed.missed(run) ** 2) for run in weighed.model.runs(free, tried)]
-    return tried[int(np.nanargmin(left))] if np.nanmin(left) < HALF * left[0] else tried[0]
+    missed = (weighed.missed(run) for run in weighed.model.runs(free, tried))
+    left = [np.mean(seen**2) if len(seen := each[np.isfinite(each)]) else np.inf for each in missed]
+    return tried[int(np.argmin(left))] if min(left) < HALF * left[0] else tried[0]
 
 
 def _trusted(weighed: Weighed, reading: np.ndarray) -> np.ndarray:

@@ -86,8 +86,11 @@ class Weighed:
         return tuple(sorted(set(range(len(self.sigma))) - {c for c, _ in began}))
 
     def missed(self, reading: np.ndarray) -> np.ndarray:
-        """(channels,) rms, in units of the noise, by which readings (n, channels), n at least `until`, miss those that count."""
-        return np.sqrt(np.nanmean(np.where(self.chosen[: len(reading)], self.left(reading), np.nan) ** 2, axis=0))
+        """(channels,) rms, in units of the noise, by which readings (n, channels), n at least `until`, miss those that count; NaN of a
+        channel that has none, as where a run diverges at once."""
+        square = np.where(self.chosen[: len(reading)], self.left(reading), np.nan) ** 2
+        count = (~np.isnan(square)).sum(axis=0)
+        return np.sqrt(np.divide(np.nansum(square, axis=0), count, out=np.full(len(count), np.nan), where=count > 0))
 
     @property
     def sensor_count(self) -> int:

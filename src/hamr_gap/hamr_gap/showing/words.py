@@ -28,6 +28,8 @@ def sentences(found: Mapping) -> list[str]:
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
     if len(found["set"]) > MOST:
         said.append(f"And {len(found['set']) - MOST} more, in the report.")
+    if found["verdict"] == "parameters_only":
+        said += _retuned(found["parameters"])
     tables = [e for own in found["machines"].values() for e in own["added"] if e["effect"] == TABLE]
     said += [
         f"What acts there, as a table: {e['form'].replace('_', ' ')} at {', '.join(e['joints'])} (in the report and the effects file)."
@@ -58,6 +60,22 @@ def _headline(found: Mapping) -> str:
         return HEADLINES[found["verdict"]]
     left = ", ".join(f"{x:.1f} times the noise at {name}" for name, x in times.items())
     return f"No effect is surely missing, but something is not explained: the re-tuned model leaves {left}."
+
+
+def _retuned(parameters: Sequence[Mapping]) -> list[str]:
+    """Which parameters surely changed, the surest first: who knows the machine can tell whether they may, or stand in for an effect."""
+    sure = [p for p in parameters if p["low"] * p["high"] > 0.0]
+    sure.sort(key=lambda p: (p["high"] - p["low"]) / abs(p["high"] + p["low"]))
+    shown = [f"{p['name']} of {p['joint']} by {estimates(_in_percent(p))}" for p in sure[:MOST]]
+    more = [f"and {len(sure) - MOST} more, in the report"] if len(sure) > MOST else []
+    return [f"They change {', '.join([*shown, *more])}."] if sure else []
+
+
+def _in_percent(parameter: Mapping) -> Mapping:
+    """A relative change in percent."""
+    if parameter["unit"] != "1":
+        return parameter
+    return parameter | {x: 100.0 * parameter[x] for x in ("value", "low", "high")} | {"unit": "%"}
 
 
 def _unsaid(own: Mapping) -> bool:
