@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shaken_leg import BESIDE, FRICTION, NOISE, shaken
 
+from hamr_dynamics.effects.library import library
 from hamr_gap.data.readings import noise_of
 from hamr_gap.data.record import Record
 from hamr_gap.fitting.scales import scales_of
@@ -75,6 +76,16 @@ def test_no_effect_is_said_to_stand_out_that_hides_in_what_is_unexplained(plain)
     )
     for joint in LEG.joints:
         assert float(much[joint].split()[0]) > 20.0 * float(little[joint].split()[0])
+
+
+def test_no_size_is_said_to_be_seen_that_is_beyond_what_is_looked_for(plain):
+    """A pendulum's record was said to show a delay of 24 s."""
+    prepared, wanted = prepare(LEG, plain), of_one_size(candidates(LEG, plain))
+    seen, scales = look(prepared.weighed, prepared.base.fit, wanted), scales_of(LEG, plain)
+    said, nothing = (detectable(LEG, scales, seen, wanted, least=least) for least in (0.0, 1e12))
+    most = library()["drive_lag"].forms[0].parameters[0].high * scales.of("T") * LEG.to_si["T"]
+    assert nothing["drive_lag"] == {joint: f"more than {most:.2g} s" for joint in LEG.joints}
+    assert not any("more than" in size for size in said["drive_lag"].values())
 
 
 @pytest.mark.parametrize("rms, tried", [(0.18, False), (0.31, True)])

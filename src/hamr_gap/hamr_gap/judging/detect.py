@@ -19,7 +19,8 @@ SEEN = 40.0  # half squared distance in units of noise at which an effect stands
 def detectable(
     machine: Machine, scales: Scales, seen: Screen, wanted: Iterable[Candidate], *, least: float = 0.0
 ) -> dict[str, dict[str, str]]:
-    """effect -> joint (or both) -> size with unit, of its response after a re-tune against the noise.
+    """effect -> joint (or both) -> size with unit, of its response after a re-tune against the noise; of what would not be seen even if it
+    were as large as is looked for, "more than" that.
 
     Args:
         wanted: forms of one size (`of_one_size`), each at one joint or between two, that were seen.
@@ -41,9 +42,11 @@ def detectable(
             if left > 1e-9 * gram[c, c] > 0:
                 size = min(size, np.sqrt(2.0 * enough / left) * seen.columns[column].size)
         if np.isfinite(size):
-            dimension = candidate.law.sizes[0].dimension
-            factor, unit = si_of(dimension, machine)
+            parameter = candidate.law.sizes[0]
+            factor, unit = si_of(parameter.dimension, machine)
             at = "both" if candidate.law.acts == "pair" else machine.joints[candidate.joints[0]]
-            said = f"{size * scales.of(dimension) * factor:.2g} {unit}".removesuffix(" 1")
+            largest = max(-parameter.low, parameter.high)
+            said = f"{min(size, largest) * scales.of(parameter.dimension) * factor:.2g} {unit}".removesuffix(" 1")
+            said = f"more than {said}" if size > largest else said
             found.setdefault(candidate.effect, {})[at] = said
     return found
