@@ -38,12 +38,16 @@ def sensor_noise(record: Record) -> np.ndarray:
     return np.maximum(noise_of(record.readings), record.rounding or 0.0)
 
 
-def noise_of(x: np.ndarray) -> np.ndarray:
+def noise_of(x: np.ndarray, *, chance: float = CHANCE) -> np.ndarray:
     """(channels,) standard deviation of white noise in (n, channels) samples of smooth signals, from differences.
 
     Differences of order m leave noise of variance C(2m, m) and ever less of the signal: the first order is taken that leaves no more than
     the least of all does, but for chance, for the least of several is too small by chance. It is no less than the rounding of a sensor with
     steps, which looks free of noise where it rests on one of them. What stands still for most of the time is judged by where it moves.
+
+    Args:
+        chance: share by which two estimates differ, times the root of n; none for few samples of what moves fast, in which every order has
+            some of the signal left and the least is not too small.
     """
     found = []
     for order in range(1, 9):
@@ -55,7 +59,7 @@ def noise_of(x: np.ndarray) -> np.ndarray:
     if not found:
         return np.full(x.shape[1], np.inf)
     spread = np.array(found)
-    close = spread <= spread.min(0) * (1.0 + CHANCE / np.sqrt(len(x)))
+    close = spread <= spread.min(0) * (1.0 + chance / np.sqrt(len(x)))
     return np.maximum(spread[close.argmax(0), range(x.shape[1])], [rounding(column) for column in x.T])
 
 

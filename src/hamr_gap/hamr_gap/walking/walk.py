@@ -62,8 +62,9 @@ class Walk:
         if self.known:
             return self.known
         path = np.cumsum(np.vstack([np.zeros(3), self.turns]), axis=0)  # smooth but for the noise of each pose
-        angle = np.maximum(noise_of(self.angles), FINEST_ANGLE * np.ptp(self.angles, axis=0))
-        return Noise(angle, np.maximum(noise_of(self.position), FINEST_POSITION), np.maximum(noise_of(path), FINEST_TURN))
+        angle, position, turn = (noise_of(x, chance=0.0) for x in (self.angles, self.position, path))  # feet hit the ground
+        least = FINEST_ANGLE * np.ptp(self.angles, axis=0)
+        return Noise(np.maximum(angle, least), np.maximum(position, FINEST_POSITION), np.maximum(turn, FINEST_TURN))
 
 
 def joined(walks: Sequence[Walk]) -> Walk:
