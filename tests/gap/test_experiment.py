@@ -164,7 +164,7 @@ def test_what_is_foreseen_linearly_is_what_a_refit_leaves_where_names_differ_lit
     _, prepared, fits, proposal = proposed
     weighed = after(prepared, asked(prepared.weighed.model.record, 0.5 * proposal.drives))
     own = len(weighed.model.target) - len(proposal.drives)
-    both = [Follower(weighed, own, h, weighed.chosen, weighed.chosen) for h in fits]
+    both = [Follower(weighed, own, h) for h in fits]
     foreseen, refitted = (getattr(both[1 - right], way)(both[right].run) for way in ("foreseen", "refitted"))
     assert refitted.run == pytest.approx(foreseen.run, rel=0.3)
     assert both[right].refitted(both[right].run).run < 1e-6  # a hypothesis follows itself
@@ -175,7 +175,7 @@ def test_what_a_run_shows_is_what_neither_parameters_nor_sensors_follow(proposed
     _, prepared, fits, _ = proposed
     weighed = after(prepared, asked(prepared.weighed.model.record, np.zeros((4000, 1))))
     own = len(weighed.model.target) - 4000
-    follower = Follower(weighed, own, fits[0], weighed.chosen, weighed.chosen)
+    follower = Follower(weighed, own, fits[0])
     alternating = np.r_[np.zeros(own), np.tile([1.0, -1.0], 2000)][:, None] * weighed.sigma
     assert follower.foreseen(follower.run + weighed.sigma).run < 1e-6
     assert follower.foreseen(follower.run + alternating).run == pytest.approx(1.0, abs=1e-3)
@@ -196,7 +196,7 @@ def test_a_relaxing_spring_follows_a_creeping_drive_a_long_way():
 
     both = after(prepared, asked(record, 2000.0 * signals(MACHINE, record.step, 4000)["strong noise"]))
     names = sized("piezo_creep", "kelvin_voigt", 1.0), sized("viscoelasticity", "maxwell", 0.01)
-    creep, relaxing = (Follower(both, len(record), h, both.chosen, both.chosen) for h in names)
+    creep, relaxing = (Follower(both, len(record), h) for h in names)
     assert relaxing.foreseen(creep.run).run > 3.0
     assert relaxing.refitted(creep.run).run < 0.01
 
@@ -205,7 +205,7 @@ def test_what_diverges_shows_nothing(proposed):
     record, prepared, fits, _ = proposed
     drives = 1e200 * np.ones((4000, 1))
     both = after(prepared, asked(record, drives))
-    hard, soft = (Follower(both, len(record), h, both.chosen, both.chosen) for h in fits)
+    hard, soft = (Follower(both, len(record), h) for h in fits)
     assert not np.isfinite(hard.run).all() and np.isfinite(soft.run).all()
     assert hard.foreseen(soft.run) == hard.refitted(soft.run) == soft.foreseen(hard.run) == Apart(0.0, 0.0)
 

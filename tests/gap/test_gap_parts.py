@@ -181,9 +181,9 @@ def test_which_parameters_a_retune_surely_changes_is_said():
     parameters = [dict(zip(("name", "value", "low", "high", "unit"), row, strict=True)) | {"joint": "arm"} for row in changed]
     own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": 1.0, "floor": 1.0}, "detectable": {}, "tried": []}
     found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "refused": {}, "experiment": None}
-    said = "They change gain of arm by -43.2 (-47.8 to -38.6) %, damping of arm by -0.095 (-0.1 to -0.07) N*m*s/rad."
+    said = "A re-tune changes gain of arm by -43.2 (-47.8 to -38.6) %, damping of arm by -0.095 (-0.1 to -0.07) N*m*s/rad."
     assert sentences(found | {"parameters": parameters})[1] == said
-    assert not any("They change" in sentence for sentence in sentences(found | {"parameters": parameters[2:]}))
+    assert not any("A re-tune" in sentence for sentence in sentences(found | {"parameters": parameters[2:]}))
     assert "and 1 more, in the report." in sentences(found | {"parameters": [*parameters[:2] * 2]})[1]
 
 

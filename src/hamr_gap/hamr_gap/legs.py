@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from hamr_description.mirror import end
 from hamr_description.names import AXES, JOINTS, MIRROR, drive_sign, joint_signs
 from hamr_description.numbers import value
 from hamr_description.rates import SERVO_MS
@@ -74,5 +75,5 @@ def _stops(channel: str) -> tuple[float, float]:
     leg, axis, *tip = channel.split("_")
     if tip:
         return -value("actuator.stop"), value("actuator.stop")
-    hip = simple_constants()["front" if leg.startswith("f") else "rear"]
+    hip = simple_constants()[end(leg)]
     return tuple(hip[f"stop_{side}"][AXES.index(axis)] for side in ("low", "high"))

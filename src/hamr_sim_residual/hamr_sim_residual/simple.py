@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hamr_description.mirror import end
 from hamr_description.numbers import value
 from hamr_description.posture import neutral_foot
 from hamr_description.simple_constants import simple_constants
@@ -15,7 +16,7 @@ X = (1.0, 0.0, 0.0)
 
 def simple_parameters(leg: str) -> dict:
     """HAMR-simple's parameters of one leg (g, mm, ms, N, V, rad), front-left frame."""
-    group = simple_constants()["front" if leg[0] == "f" else "rear"]
+    group = simple_constants()[end(leg)]
     p = {k: tuple(v) if isinstance(v, list) else v for k, v in group.items()}
     p["hip"] = tuple(float(x) for x in value("leg.hip"))
     p["foot"] = foot_from_hip()

@@ -55,7 +55,7 @@ def decidable(case: Case, rivals: Sequence[frozenset]) -> dict[str, float]:
 
 def _squares(both: Weighed, own: int, h: Hypothesis) -> float:
     """Squares that a refit leaves, in units of the noise, were the second run the longest there is."""
-    left = Follower(both, own, h, both.chosen, both.chosen).refitted(both.model.target)
+    left = Follower(both, own, h).refitted(both.model.target)
     record, run = both.chosen[:own].sum(), both.chosen[own:].sum()
     return left.record * record + left.run * run * LENGTHS_S[-1] / PLAYED_S
 

@@ -8,6 +8,7 @@ what a short run shows may lie where it is not judged.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -27,7 +28,7 @@ from ..fitting.weighed import Weighed
 from ..naming.blocks import foreseen
 from ..naming.hypothesis import BLOCKS, Hypothesis
 from ..naming.prepare import Prepared
-from .excite import signals
+from .excite import SIGNALS, signals
 
 WITHIN = 0.9  # of the widest motion that was measured: no forecast is so good that an end stop further out is safe
 NEAR = 0.01  # of what is left: a refit need not be better known
@@ -47,11 +48,11 @@ class Apart:
     throughout: float = 0.0
 
 
-def shapes(model: Model, seconds: float, seed: int = 0) -> dict[str, np.ndarray]:
-    """Name -> (n, joints) drives of every signal of `excite` for some seconds, as large as those that were recorded."""
+def shapes(model: Model, seconds: float, seed: int = 0, names: Sequence[str] = SIGNALS) -> dict[str, np.ndarray]:
+    """Name -> (n, joints) drives of signals of `excite` for some seconds, as large as those that were recorded."""
     record = model.record
     per, second = record.drives_per_reading, 1.0 / model.machine.to_si["T"]
-    found = signals(model.machine, record.step / per, int(seconds * second / record.step) * per, seed)
+    found = signals(model.machine, record.step / per, int(seconds * second / record.step) * per, seed, names)
     return {name: np.abs(record.drives).max(axis=0) * shape for name, shape in found.items()}
 
 
@@ -97,10 +98,11 @@ def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
 class Follower:
     """A hypothesis that follows what another one would have read, as well as its parameters and the sensors' let it."""
 
-    def __init__(self, weighed: Weighed, own: int, h: Hypothesis, fitted: np.ndarray, judged: np.ndarray) -> None:
-        """Of a hypothesis in `weighed`, whose first `own` readings are those of the record; a refit fits some (n, channels), others are
-        judged."""
-        self._weighed, self._own, self._h, self._fitted, self._judged = weighed, own, h, fitted, judged
+    def __init__(self, weighed: Weighed, own: int, h: Hypothesis, parts: tuple[np.ndarray, np.ndarray] | None = None) -> None:
+        """Of a hypothesis in `weighed`, whose first `own` readings are those of the record; a refit fits and judges all that count, or the
+        parts (n, channels) that are `served`."""
+        self._weighed, self._own, self._h = weighed, own, h
+        self._fitted, self._judged = parts or (weighed.chosen, weighed.chosen)
 
     @cached_property
     def run(self) -> np.ndarray:

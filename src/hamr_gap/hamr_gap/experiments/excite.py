@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import partial
+
 import numpy as np
 
 from hamr_dynamics.machine import Machine
@@ -11,23 +14,24 @@ from hamr_dynamics.machine import Machine
 NOISES = {"gentle noise": (0.15, 0.0, 2.0), "strong noise": (0.45, 0.0, 2.0), "fast noise": (0.5, 2.0, 4.0)}
 SAMPLED = 0.8  # of half the sampling rate, that noise may be as fast as
 CREST, ROUNDS = 1.7, 10  # of its rms, that noise is kept below again and again, without leaving its band: its peaks come down to twice it
-PARTS = ("slow triangles", "gentle noise", "strong noise", "chirp")
+PARTS, EACH = ("slow triangles", "gentle noise", "strong noise", "chirp"), "a bit of each"
+SIGNALS = ("slow triangles", *NOISES, "chirp", "steps that hold", EACH)
 
 
-def signals(machine: Machine, step: float, count: int, seed: int = 0) -> dict[str, np.ndarray]:
+def signals(machine: Machine, step: float, count: int, seed: int = 0, names: Sequence[str] = SIGNALS) -> dict[str, np.ndarray]:
     """Name -> (count, joints) signal, of slow triangles, noise at two levels and a fast one, a chirp, steps that hold, and a bit of each.
 
     Args:
-        step: T between samples. seed: of the noise and the steps.
+        step: T between samples. seed: of the noise and the steps. names: of the signals that are made.
     """
     rest, n = machine.at_rest, len(machine.joints)
     rates = [np.sqrt(abs(machine.diagonal(rest.stiffness, j)) / machine.diagonal(rest.mass, j)) / (2 * np.pi) for j in range(n)]
     pace = max(max(rates), 20.0 / (count * step))  # cycles per T; of a machine without a spring, some in the run
-    found = _parts(n, pace, step, count, seed)
-    found["a bit of each"] = np.concatenate(
-        [_parts(n, pace, step, part, seed)[name] for name, part in zip(PARTS, _quarters(count), strict=True)]
+    make = _parts(n, pace, step, count, seed)
+    make[EACH] = lambda: np.concatenate(
+        [_parts(n, pace, step, part, seed)[name]() for name, part in zip(PARTS, _quarters(count), strict=True)]
     )
-    return {name: x * np.minimum(np.arange(count) * step * pace / 10.0, 1.0)[:, None] for name, x in found.items()}
+    return {name: make[name]() * np.minimum(np.arange(count) * step * pace / 10.0, 1.0)[:, None] for name in names}
 
 
 def _quarters(count: int) -> list[int]:
@@ -35,7 +39,7 @@ def _quarters(count: int) -> list[int]:
     return np.diff(edges).tolist()
 
 
-def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str, np.ndarray]:
+def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str, Callable[[], np.ndarray]]:
     t = np.arange(count)[:, None] * step * pace  # in periods of the machine
     phase = np.arange(n) / (2.0 * n)
     random = np.random.default_rng(seed)
@@ -57,8 +61,8 @@ def _parts(n: int, pace: float, step: float, count: int, seed: int) -> dict[str,
     hold = 25  # periods that a level lasts
     levels = random.uniform(-1.0, 1.0, (int(span / hold) + 1, n))
     return {
-        "slow triangles": 4.0 * np.abs(np.mod(t / 40.0 + phase + 0.25, 1.0) - 0.5) - 1.0,
-        **{name: noise(*kind) for name, kind in NOISES.items()},
-        "chirp": 0.6 * np.sin(2.0 * np.pi * (sweep + phase)),
-        "steps that hold": levels[np.minimum((t[:, 0] / hold).astype(int), len(levels) - 1)],
+        "slow triangles": lambda: 4.0 * np.abs(np.mod(t / 40.0 + phase + 0.25, 1.0) - 0.5) - 1.0,
+        **{name: partial(noise, *kind) for name, kind in NOISES.items()},
+        "chirp": lambda: 0.6 * np.sin(2.0 * np.pi * (sweep + phase)),
+        "steps that hold": lambda: levels[np.minimum((t[:, 0] / hold).astype(int), len(levels) - 1)],
     }

@@ -160,7 +160,7 @@ class _Choice:
 
     def _longer(self, name: str, seconds: float, known: _Run) -> _Run:
         """A signal for longer, taken to show as much in each second."""
-        drives, _, followers = self._played(shapes(self._prepared.weighed.model, seconds, self._seed)[name])
+        drives, _, followers = self._played(shapes(self._prepared.weighed.model, seconds, self._seed, (name,))[name])
         pairs = zip(permutations(followers, 2), known.pairs, strict=True)
         return _Run(seconds, drives, [replace(pair, right=right, wrong=wrong) for ((right, *_), wrong), pair in pairs])
 
@@ -172,7 +172,7 @@ class _Choice:
         own, parts = len(both.model.target) - len(run) // both.model.mean, served(both)
 
         def follower(h: Hypothesis) -> Follower:
-            return Follower(both, own, h, *parts)
+            return Follower(both, own, h, parts)
 
         return drives, follower(prepared.base), [[follower(h) for h in forms] for forms in self._rivals]
 

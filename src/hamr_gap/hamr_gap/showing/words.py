@@ -68,7 +68,7 @@ def _retuned(parameters: Sequence[Mapping]) -> list[str]:
     sure.sort(key=lambda p: (p["high"] - p["low"]) / abs(p["high"] + p["low"]))
     shown = [f"{p['name']} of {p['joint']} by {estimates(_in_percent(p))}" for p in sure[:MOST]]
     more = [f"and {len(sure) - MOST} more, in the report"] if len(sure) > MOST else []
-    return [f"They change {', '.join([*shown, *more])}."] if sure else []
+    return [f"A re-tune changes {', '.join([*shown, *more])}."] if sure else []
 
 
 def _in_percent(parameter: Mapping) -> Mapping:
