@@ -12,10 +12,12 @@ from oscillator import MACHINE, STEP, measured, oscillator
 from hamr_dynamics.effects.library import library
 from hamr_dynamics.machine import linear_machine
 from hamr_gap.data.record import Record, joined
-from hamr_gap.experiments.apart import WITHIN, Apart, Follower, after, asked
+from hamr_gap.experiments import experiment
+from hamr_gap.experiments.apart import WITHIN, Apart, Follower, after, asked, served
 from hamr_gap.experiments.excite import NOISES, signals
-from hamr_gap.experiments.experiment import DECISIVE, Proposal, propose
+from hamr_gap.experiments.experiment import DECISIVE, TRIED_S, Proposal, propose
 from hamr_gap.fitting.parameters import Candidate, effect_parameters
+from hamr_gap.fitting.roles import CYCLE
 from hamr_gap.judging.analyse import analyse
 from hamr_gap.judging.weigh import SHARPNESS, floor_of, least_told
 from hamr_gap.naming.hypothesis import Hypothesis, refine, residual, starts
@@ -180,6 +182,37 @@ def test_what_a_run_shows_is_what_neither_parameters_nor_sensors_follow(proposed
     assert follower.foreseen(follower.run + weighed.sigma).run < 1e-6
     assert follower.foreseen(follower.run + alternating).run == pytest.approx(1.0, abs=1e-3)
     assert follower.foreseen(follower.run + alternating).record < 1e-3
+
+
+def test_a_run_is_foreseen_on_the_readings_that_its_verdict_will_judge(proposed):
+    """What it shows elsewhere, nobody will see; and the shortest run that is asked for has all its turns."""
+    _, prepared, fits, _ = proposed
+    weighed = after(prepared, asked(prepared.weighed.model.record, np.zeros((int(TRIED_S / STEP), 1))))
+    own = len(prepared.weighed.model.target)
+    fitted, judged = parts = served(weighed)
+    assert not (fitted & judged).any()
+    assert np.count_nonzero(np.diff(judged[own:, 0].astype(int)) == 1) == CYCLE.count("select")
+    follower = Follower(weighed, own, fits[0], parts)
+    shown = np.tile([1.0, -1.0], len(judged) // 2)[:, None] * weighed.sigma
+    assert follower.refitted(follower.run + shown * judged).run == pytest.approx(1.0, abs=1e-3)
+    assert follower.refitted(follower.run + weighed.sigma * judged).run == pytest.approx(1.0, abs=1e-3)  # no bias follows it
+    assert follower.refitted(follower.run + shown * ~(fitted | judged)).run < 1e-6
+    assert Follower(weighed, own, fits[0]).refitted(follower.run + shown * ~(fitted | judged)).run > 0.1
+
+
+def test_no_run_is_asked_for_of_which_nothing_would_be_judged(proposed, monkeypatch):
+    _, prepared, fits, _ = proposed
+    own = len(prepared.weighed.model.target)
+    elsewhere = lambda weighed: (weighed.chosen, weighed.chosen & (np.arange(len(weighed.chosen)) < own)[:, None])  # noqa: E731
+    monkeypatch.setattr(experiment, "served", elsewhere)
+    assert not propose(prepared, [[h] for h in fits], floor=1.0).signal
+
+
+def test_of_a_run_too_short_to_be_divided_all_is_fitted_and_judged(proposed):
+    record, prepared, _, _ = proposed
+    moving = prepare(MACHINE, replace(record, rest=False))  # of which the run stands for itself
+    weighed = after(moving, asked(record, np.zeros((60, 1))))
+    assert weighed.chosen.any() and all((part == weighed.chosen).all() for part in served(weighed))
 
 
 def test_a_relaxing_spring_follows_a_creeping_drive_a_long_way():

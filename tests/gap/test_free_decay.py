@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 from functools import cache
 
@@ -20,7 +21,7 @@ from hamr_gap.fitting.roles import mask, roles_of
 from hamr_gap.fitting.scales import scales_of
 from hamr_gap.fitting.sensors import Sensors
 from hamr_gap.fitting.settled import settled
-from hamr_gap.fitting.tune import tune
+from hamr_gap.fitting.tune import _begun, tune
 from hamr_gap.judging.analyse import analyse
 from hamr_gap.naming.candidates import candidates
 from hamr_gap.naming.hypothesis import Start, left_of, refined
@@ -78,6 +79,16 @@ def test_a_frequency_that_is_far_off_is_found(off):
     x = dict(zip((f.row for f in tuned.fit.free), tuned.fit.x * [f.scale for f in tuned.fit.free], strict=True))
     assert (off * SQUARE + x["change.stiffness.0"]) / (1.0 + x["change.inertia.0"]) == pytest.approx(SQUARE, rel=2e-3)
     assert tuned.rms[0] < 1.1 * NOISE and len(tuned.weighed.model.pieces) <= 2
+
+
+def test_where_every_inertia_diverges_a_retune_begins_with_the_given_one(monkeypatch):
+    """And nobody is warned of sums over nothing."""
+    tuned = tune(oscillator(), decaying(), np.array([NOISE]))
+    monkeypatch.setattr(Model, "runs", lambda self, free, x, *more: np.full((len(np.atleast_2d(x)), *self.target.shape), np.nan))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not _begun(tuned.weighed, list(tuned.fit.free)).any()
+        assert np.isnan(tuned.weighed.missed(np.full_like(tuned.fit.reading, np.nan))).all()
 
 
 def test_free_starts_move_the_starts_of_their_own_pieces():
