@@ -202,6 +202,15 @@ def test_bad_bags_are_one_sentence(make, says, bags, tmp_path, capfd):
     assert re.sub(r"\S*/\S*|\d\.\d", "", result["error"]).count(". ") == 0, result["error"]
 
 
+def test_what_is_measured_cannot_be_held_out(bags, tmp_path, capfd):
+    """The gap would close on data that the answer was fitted to."""
+    own = bags.measured.parent / "." / bags.measured.name
+    status, result = gap(capfd, "--measured", bags.measured, "--holdout", own, "--out", tmp_path / "out")
+    assert (status, result["ok"]) == (1, False)
+    assert "is both measured and held out" in result["error"]
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_missing_hold_out_bag_is_said_before_anything_is_done(bags, tmp_path, capfd):
     status, result = gap(capfd, "--measured", bags.measured, "--holdout", tmp_path / "none", "--out", tmp_path / "out")
     assert (status, result["ok"]) == (1, False)

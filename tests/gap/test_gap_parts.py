@@ -105,12 +105,12 @@ def test_equal_names_of_several_legs_become_one():
 def test_joints_that_differ_are_said_one_by_one(other, said):
     """A shoulder's friction and an elbow's were told as one, halfway between."""
     (one,) = merged([effect("fl_swing", 1.0), effect("fl_lift", other)])
-    assert answer_in_words({"effects": [one]}) == f"backlash (gap) at fl, {said}"
+    assert answer_in_words({"effects": [one], "unknown": 0}) == f"backlash (gap) at fl, {said}"
 
 
 def verdict(name: str, *answers: tuple[str, float]) -> Found:
     gap = {"raw": 3.0, "retuned": 2.0, "after": 1.0, "floor": 1.0, "per_channel": {}}
-    found = [{"effects": [effect(e, 1.0)], "probability": p, "left": 0.0, "forms": {}} for e, p in answers]
+    found = [{"effects": [effect(e, 1.0)], "probability": p, "left": 0.0, "forms": {}, "unknown": name == "unknown"} for e, p in answers]
     content = {
         "joints": ("fl_swing", "fl_lift"),
         "verdict": name,
@@ -138,7 +138,7 @@ def test_the_common_factor_is_spoken_of_where_there_is_one():
 def test_of_an_unknown_law_what_comes_nearest_is_said():
     rows = [("lag + drag", 2, 0.4), ("lag", 1, 0.5), ("drag", 1, 0.9), ("lag + drag + play", 3, 0.45)]
     own = {"verdict": "unknown", "added": [], "tried": [dict(zip(("effects", "count", "left"), row, strict=True)) for row in rows]}
-    found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9}], "machines": {"arm": own}}
+    found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9, "unknown": 1}], "machines": {"arm": own}}
     found |= {"refused": {}, "experiment": None}
     nearest = "What comes nearest at arm: lag leaves 50 % of the gap; lag + drag leaves 40 % of the gap."
     assert nearest in sentences(found)
@@ -155,7 +155,7 @@ def test_what_was_found_is_said_to_hold_only_where_it_does(added, closed, said):
     channels = {"arm": {"unit": "rad", "noise": 1e-3, "raw": 0.012, "retuned": 0.006, "after": 0.007}}
     shown = {"machines": {"arm": {"channels": channels}}, "data": "other data", "closed": closed}
     shown["over_floor"] = {"raw": 12.0, "retuned": 6.0, "after": 7.0, "removed": 8.0}
-    found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9}], "machines": {"arm": own}, "shown": shown}
+    found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9, "unknown": 1}], "machines": {"arm": own}, "shown": shown}
     *others, last = sentences(found | {"refused": {}, "experiment": None})
     assert last.endswith(said)
     about = "6.00 re-tuned, 7.00 with what was found." if added else "6.00 re-tuned."
@@ -193,6 +193,17 @@ def test_legs_answer_together_and_the_least_certain_one_sets_the_tone():
     assert whole["verdict"] == "ambiguous"
     assert [a["effects"][0]["place"] for a in whole["set"]] == ["fl_swing, rl_swing", "fl_lift, rl_swing"]
     assert [a["probability"] for a in whole["set"]] == pytest.approx([0.57, 0.3325])
+
+
+def test_a_named_part_of_an_unknown_answer_is_no_answer_of_other_legs():
+    """Two legs in which the same name is but a part are not named by each other, and where one leg's is the whole it is not either."""
+    founds = {"fl": verdict("unknown", ("fl_swing", 0.95)), "rl": verdict("named", ("rl_swing", 0.95))}
+    whole = answer(*together(founds))
+    assert whole["verdict"] == "unknown"
+    assert [(len(a["effects"]), a["unknown"], a["probability"]) for a in whole["set"]] == [(1, 1, pytest.approx(0.9025))]
+    said = sentences(whole | {"machines": {}})
+    assert said[0].startswith("Part of what is missing has a name")
+    assert said[1].endswith(" and a law outside the library.")
 
 
 def test_an_effect_at_two_joints_is_written_for_each_with_its_own_parameters():
@@ -258,7 +269,7 @@ def nameless():
 
 def test_a_law_without_a_name_is_found_as_a_table(nameless):
     prepared = prepare(*nameless)
-    found = fit_table(prepared)
+    found = fit_table(prepared, prepared.base)
     assert found.effects[0].effect == "force_table"
     assert found.left - 1.0 < 0.4 * (prepared.base.left - 1.0)
 
@@ -272,8 +283,8 @@ def unknown(nameless):
 def test_a_table_is_added_only_where_it_helps(nameless, unknown, monkeypatch, helps):
     """On readings that it was not fitted to: some left more there than the re-tuned model, and were added nevertheless."""
 
-    def fitted(prepared):
-        found = fit_table(prepared)
+    def fitted(prepared, beside):
+        found = fit_table(prepared, beside)
         return found if helps else replace(found, left=1.01 * prepared.base.left)
 
     monkeypatch.setattr("hamr_gap.answers.found.analyse", lambda *_: unknown)

@@ -19,7 +19,7 @@ from .data.measured import Samples, environment, read
 from .data.record import Record, joined
 from .legs import machine_of, record_of
 from .progress import side_by_side
-from .study import Part, conclude, stored
+from .study import Part, conclude, kept_apart, stored
 
 STILL = 0.05  # of its usual size, that a drive has at first where the machine begins at rest
 FIRST = 5  # samples that tell
@@ -49,6 +49,7 @@ def run(measured: Sequence[Path], out: Path, *, backend: str, holdout: Sequence[
     plant(backend)  # a wrong name is said before a long wait
     if lost := [bag for bag in holdout if not Path(bag).exists()]:
         raise BagError(f"There is no bag at {lost[0]}; give hold-out bags that exist.")
+    kept_apart(measured, holdout)
     if any(_on_ground(bag) for bag in measured):
         from .walking.study import run as on_ground  # whose kernels of the whole robot nothing else needs
 

@@ -17,7 +17,7 @@ from hamr_dynamics.machine import Machine, with_motion
 
 from .data.columns import record_of
 from .data.record import Record, joined
-from .study import study
+from .study import kept_apart, study
 
 
 def load(said: str) -> tuple[Machine, dict]:
@@ -70,6 +70,7 @@ def run(
     Raises:
         BagError, ConfigError: one sentence.
     """
+    kept_apart(measured, holdout)
     machine, columns = load(plant)
 
     def records(paths: Sequence[Path]) -> Record:

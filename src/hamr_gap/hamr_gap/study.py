@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -79,6 +79,13 @@ def stored(machine: Machine, record: Record, out: Path, report: Callable[[str], 
         raise BagError(f"The fits to {machine.name} did not come to an end ({error}); record it with another excitation.") from error
     found.save(folder, key)
     return found
+
+
+def kept_apart(measured: Sequence[str | Path], holdout: Sequence[str | Path]) -> None:
+    """Raises BagError where something held out is measured data too: a gap that closes there would prove nothing."""
+    used = {Path(path).resolve() for path in measured}
+    if both := [path for path in holdout if Path(path).resolve() in used]:
+        raise BagError(f"{both[0]} is both measured and held out; hold out data that the answer does not rest on.")
 
 
 def conclude(

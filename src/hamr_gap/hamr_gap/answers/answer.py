@@ -85,15 +85,15 @@ def _verdict(founds: Mapping[str, Found], combinations: Sequence[Combination]) -
     if not combinations or len(combinations[0].numbers) < len(founds):
         return max((f.verdict["verdict"] for f in founds.values()), key=VERDICTS.index)
     first = (founds[name].answers[k] for name, k in combinations[0].numbers.items())
-    return "unknown" if not all(a["effects"] for a in first) else "named" if len(combinations) == 1 else "ambiguous"
+    return "unknown" if any(a["unknown"] for a in first) else "named" if len(combinations) == 1 else "ambiguous"
 
 
 def _combined(founds: Mapping[str, Found], combination: Combination) -> dict:
-    """The machines' answers as one. An answer without effects is "unknown"."""
+    """The machines' answers as one; `unknown` is in how many a law outside the library is."""
     answers = [founds[name].answers[k] for name, k in combination.numbers.items()]
     return {
         "effects": merged([e for a in answers for e in a["effects"]]), "probability": combination.probability,
-        "unknown": sum(not a["effects"] for a in answers), "forms": {form: left for a in answers for form, left in a["forms"].items()},
+        "unknown": sum(a["unknown"] for a in answers), "forms": {form: left for a in answers for form, left in a["forms"].items()},
     }  # fmt: skip
 
 

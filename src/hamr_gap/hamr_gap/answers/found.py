@@ -40,7 +40,7 @@ class Found:
             where it has effects, with `.k` behind;
             `report` (n,) readings that nothing has used; `experiment` (m, joints) drives that would decide, if ambiguous.
         answers: those of the verdict's set, and behind them less probable ones, for which other machines that are built alike may
-            speak; each that has effects with its own `parameters` and `gap`.
+            speak; each that is not `unknown` with its own `parameters` and `gap`.
     """
 
     verdict: dict
@@ -50,7 +50,7 @@ class Found:
     answers: list[dict]
 
     def led_by(self, k: int) -> Found:
-        """The same with the k-th answer, which has effects, as the first of the set."""
+        """The same with the k-th answer, which is not `unknown`, as the first of the set."""
         if k == 0:
             return self
         own = self.answers[k]
@@ -101,7 +101,8 @@ def find(machine: Machine, record: Record, report: Callable[[str], None] = lambd
     first = analysis.said[best]
     if verdict.verdict == "unknown":
         report("table")
-        best = min(prepared.base, fit_table(prepared), key=lambda h: h.left)
+        known = analysis.part or prepared.base
+        best = min(known, fit_table(prepared, known), key=lambda h: h.left)
         first = stated(prepared, best)
         verdict = replace(verdict, gap=first.gap, parameters=first.parameters)
     arrays = {"report": prepared.roles.report} | _states(prepared, best)
@@ -125,10 +126,10 @@ def _settled(analysis: Analysis, weight: Weight) -> Weight:
 
 
 def _answer(analysis: Analysis, weight: Weight) -> dict:
-    """An answer as plain values, with its own parameters and gap where it has effects."""
+    """An answer as plain values, with its own parameters and gap where the library has all of it."""
     h = weight.hypothesis
     if h is None:
-        return asdict(answer_of(analysis.search, weight, None))
+        return asdict(answer_of(analysis.search, weight, analysis.said.get(analysis.part)))
     said = analysis.said.get(h) or stated(analysis.prepared, h)
     own = asdict(said)
     return asdict(answer_of(analysis.search, weight, said)) | {key: own[key] for key in ("parameters", "gap")}

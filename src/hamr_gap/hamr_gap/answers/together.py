@@ -54,7 +54,7 @@ def _most_probable(founds: Mapping[str, Found]) -> list[Combination]:
 
 def _alike(answers: Sequence[Sequence[Mapping]]) -> dict[tuple[int, ...], float]:
     """The same answer of every machine -> its share of all such."""
-    each = [{_names(a): k for k, a in enumerate(some) if a["effects"]} for some in answers]
+    each = [{_names(a): k for k, a in enumerate(some) if not a["unknown"]} for some in answers]
     common = [names for names in each[0] if all(names in other for other in each)]
     numbers = [tuple(one[names] for one in each) for names in common]
     mean = [prod(some[k]["probability"] for some, k in zip(answers, n, strict=True)) ** (1.0 / len(answers)) for n in numbers]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from ..naming.searched import searched
 from ..naming.tried import Search, noise_floor
 from .colour import correlation_time
 from .detect import detectable
+from .part import part_of
 from .stated import Stated, at_bounds, degenerate, poor, stated
 from .unexplained import ALONE, structural
 from .verdict import Answer, Gap, Verdict
@@ -41,7 +42,7 @@ class Analysis:
 
     Attributes:
         chosen: the verdict's set, settled. beyond: what is less probable than these, but holds `NOT_REFUTED` together with them.
-        said: the best and the chosen in SI.
+        part: what of an unknown answer has a name. said: the best, the chosen and the part in SI.
     """
 
     prepared: Prepared
@@ -49,6 +50,7 @@ class Analysis:
     weights: list[Weight]
     chosen: list[Weight]
     beyond: list[Weight]
+    part: Hypothesis | None
     said: dict[Hypothesis, Stated]
     best: Hypothesis
     verdict: Verdict
@@ -88,12 +90,14 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
         best = next((w.hypothesis for w in weights if w.hypothesis is not None), state.best)
         verdict = "unknown" if chosen[0].hypothesis is None else "named" if len(chosen) == 1 else "ambiguous"
     report("intervals")
-    fitted = dict.fromkeys((best, *(w.hypothesis for w in chosen if w.hypothesis)))
+    part = part_of(prepared.weighed, prepared.judged, state) if verdict == "unknown" else None
+    fitted = dict.fromkeys(h for h in (best, part, *(w.hypothesis for w in chosen)) if h)
     fitted = {h: settled(prepared.weighed, prepared.judged, h) for h in fitted}
-    best, chosen = fitted[best], [replace(w, hypothesis=fitted.get(w.hypothesis)) for w in chosen]
+    best, part, chosen = fitted[best], fitted.get(part), [replace(w, hypothesis=fitted.get(w.hypothesis)) for w in chosen]
     said = {h: stated(prepared, h) for h in fitted.values()}
-    whole = _state(verdict, prepared, state, chosen, said, said[best])
-    return Analysis(prepared, state, weights, chosen, beyond, said, best, whole, evidence)
+    answers = [answer_of(state, w, said.get(w.hypothesis or part)) for w in chosen]
+    whole = _state(verdict, prepared, state, answers, said[best])
+    return Analysis(prepared, state, weights, chosen, beyond, part, said, best, whole, evidence)
 
 
 def _evidence(prepared: Prepared, state: Search) -> tuple[float, float]:
@@ -124,16 +128,13 @@ def _nothing(prepared: Prepared) -> str:
     return "parameters_only" if tuned else "no_significant_gap"
 
 
-def _state(
-    verdict: str, prepared: Prepared, state: Search, chosen: list[Weight], said: Mapping[Hypothesis, Stated], best: Stated,
-) -> Verdict:  # fmt: skip
+def _state(verdict: str, prepared: Prepared, state: Search, answers: Sequence[Answer], best: Stated) -> Verdict:
     model = prepared.weighed.model
     machine, record = model.machine, model.record
     simplest = of_one_size(candidates(machine, record))
-    answers = tuple(answer_of(state, w, said.get(w.hypothesis)) for w in chosen)
     silent = {name: why for name in library() if (why := missing(name, machine, record)) and why != "it is no name"}
     return Verdict(
-        machine=machine.name, joints=machine.joints, verdict=verdict, set=answers, parameters=best.parameters,
+        machine=machine.name, joints=machine.joints, verdict=verdict, set=tuple(answers), parameters=best.parameters,
         gap=best.gap, where=tuple(where(prepared.weighed, prepared.base.fit)), not_observable=silent,
         detectable=detectable(machine, model.scales, state.seen, simplest, least=hidden(prepared, best.gap)),
         experiment=None,
@@ -149,10 +150,9 @@ def hidden(prepared: Prepared, gap: Gap) -> float:
 
 
 def answer_of(state: Search, weight: Weight, said: Stated | None) -> Answer:
-    """An answer of a set; None: a law outside the library."""
-    if said is None:
-        return Answer((), weight.probability, weight.left)
-    return Answer(said.effects, weight.probability, weight.left, _forms(state, weight.hypothesis))
+    """An answer of a set. Of a law outside the library, `said` is what has a name beside it, if anything has."""
+    effects, h = said.effects if said else (), weight.hypothesis
+    return Answer(effects, weight.probability, weight.left, _forms(state, h) if h else {}, unknown=h is None)
 
 
 def _forms(state: Search, answer: Hypothesis) -> dict[str, float]:

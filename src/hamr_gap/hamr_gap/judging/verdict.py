@@ -29,16 +29,18 @@ class NamedEffect:
 
 @dataclass(frozen=True)
 class Answer:
-    """Effects that together are one possible answer; empty for a law outside the library.
+    """Effects that together are one possible answer.
 
     Attributes:
         left: of the gap, on readings that were not fitted. forms: the same for every form that was fitted of these names.
+        unknown: whether a law outside the library is beside them; alone, where there are none.
     """
 
     effects: tuple[NamedEffect, ...]
     probability: float
     left: float
     forms: dict[str, float] = field(default_factory=dict)
+    unknown: bool = False
 
 
 @dataclass(frozen=True)

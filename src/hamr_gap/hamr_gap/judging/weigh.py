@@ -114,6 +114,11 @@ def within(simple: tuple, wide: tuple) -> bool:
     return effect in (its, *library()[its].contains) and set(joints) <= set(all_joints)
 
 
+def akin(effect: str, other: str) -> bool:
+    """Whether two effects are the same, or one has the other as a special case."""
+    return effect in (other, *library()[other].contains) or other in library()[effect].contains
+
+
 def credible(weights: Sequence[Weight], coverage: float = COVERAGE) -> list[Weight]:
     """The smallest set of the most probable that holds some coverage."""
     total, chosen = 0.0, []

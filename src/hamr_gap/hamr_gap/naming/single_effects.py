@@ -12,10 +12,10 @@ from ..fitting.fit import fit
 from ..fitting.parameters import Candidate
 from ..fitting.weighed import Weighed
 from .hypothesis import Hypothesis, Start
-from .moves import ALONE, first_of_each, in_forms, look, promising, singles
+from .moves import ALONE, first_families, first_of_each, in_forms, look, promising, singles
 from .screen import Screen
 
-SINGLES = 10  # names fitted for good
+SINGLES, FAMILIES = 10, 6  # names fitted for good, and effects, however many places of others come before them
 ALL_FORMS = 3  # of these, in all their forms
 GIVEN = 4  # names that the model as given likes best, fitted besides
 ASTRAY = 10.0  # times the re-tune's cost, up to which the model as given is worth looking about: beyond, other parameters are what it lacks
@@ -31,7 +31,7 @@ def single_starts(
     if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
         found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit, before=seen), everything))
     near = promising(found, ALONE)
-    wanted = in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
+    wanted = in_forms(_first(near), near, ALL_FORMS)
     wanted += _by_pieces(weighed, judged, base, everything)
     names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
     return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
@@ -47,4 +47,9 @@ def _by_pieces(weighed: Weighed, judged: np.ndarray, base: Hypothesis, everythin
     short = weighed.in_pieces
     about = fit(short, base.fit.free, base.fit.x)
     near = promising(singles(short, about, look(short, about, everything), everything), ALONE)
-    return in_forms(first_of_each(near, SINGLES), near, ALL_FORMS)
+    return in_forms(_first(near), near, ALL_FORMS)
+
+
+def _first(near: Sequence[Start]) -> list[Start]:
+    """Starts of the names that leave least: so many names and so many effects at least."""
+    return max(first_of_each(near, SINGLES), first_families(near, FAMILIES), key=len)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from hamr_description.names import ACTUATORS
 
 from . import plots
-from .words import answer_in_words, number, sentences, unit
+from .words import OUTSIDE, number, sentences, unit
 
 CSS = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
@@ -76,11 +76,10 @@ def _set(found: Mapping) -> str:
         return ""
     rows = []
     for answer in found["set"]:
-        said = answer_in_words(answer) if not answer["effects"] else ""
-        for i, effect in enumerate(answer["effects"] or [None]):
+        for i, effect in enumerate([*answer["effects"], *[None] * bool(answer["unknown"])]):
             probability = f"{answer['probability']:.2f}" if i == 0 else ""
             if effect is None:
-                rows.append([probability, said, "", "", "", ""])
+                rows.append([probability, OUTSIDE, "", "", "", ""])
                 continue
             own = effect["parameters"].items()
             each = [(joint, name, x) for name, merged in own for joint, x in merged.get("at", {effect["place"]: merged}).items()]

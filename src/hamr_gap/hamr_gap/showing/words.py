@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ..judging.part import NEEDED
 from ..judging.table import TABLE
 
 COMMON = ("coulomb_friction", "cubic_stiffness", "backlash", "drive_lag")  # whose smallest visible size is said
@@ -18,6 +19,8 @@ HEADLINES = {
     "ambiguous": "An effect is missing; these data leave more than one name.",
     "unknown": "Something is missing that is not in the library.",
 }
+OUTSIDE = "a law outside the library"
+IN_PART = "Part of what is missing has a name; beside it something is missing that is not in the library."
 
 
 def sentences(found: Mapping) -> list[str]:
@@ -26,6 +29,8 @@ def sentences(found: Mapping) -> list[str]:
     for i, answer in enumerate(found["set"][:MOST]):
         start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
+    if _in_part(found):
+        said.append(f"Whatever was tried without one of these names leaves more than {NEEDED:g} times as much of the gap.")
     if len(found["set"]) > MOST:
         said.append(f"And {len(found['set']) - MOST} more, in the report.")
     if found["verdict"] == "parameters_only":
@@ -57,9 +62,13 @@ def _headline(found: Mapping) -> str:
     """That of the verdict; but where nothing was found, though more than noise is left, how much that is."""
     times = {name: own["gap"]["retuned"] / own["gap"]["floor"] for name, own in found["machines"].items() if _unsaid(own)}
     if found["set"] or not times:
-        return HEADLINES[found["verdict"]]
+        return IN_PART if _in_part(found) else HEADLINES[found["verdict"]]
     left = ", ".join(f"{x:.1f} times the noise at {name}" for name, x in times.items())
     return f"No effect is surely missing, but something is not explained: the re-tuned model leaves {left}."
+
+
+def _in_part(found: Mapping) -> bool:
+    return found["verdict"] == "unknown" and any(answer["unknown"] and answer["effects"] for answer in found["set"])
 
 
 def _retuned(parameters: Sequence[Mapping]) -> list[str]:
@@ -113,8 +122,8 @@ def _smallest(detectable: Mapping[str, Mapping[str, str]]) -> str:
 def answer_in_words(answer: Mapping) -> str:
     """Effects, places and parameters of one answer."""
     parts = [f"{e['effect']} ({e['form']}) at {e['place']}, {_parameters(e)}" for e in answer["effects"]]
-    if answer.get("unknown") or not parts:
-        parts.append("a law outside the library")
+    if answer["unknown"]:
+        parts.append(OUTSIDE)
     return " and ".join(parts)
 
 

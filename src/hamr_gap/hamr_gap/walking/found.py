@@ -50,7 +50,7 @@ def find(backend: str, walk: Walk, report: Callable[[str], None] = lambda _: Non
     state, best = found.search, found.best
     answers = tuple(
         Answer(_effects(state, w.hypothesis), w.probability, w.left, _forms(state, w.hypothesis)) if w.hypothesis
-        else Answer((), w.probability, w.left) for w in found.chosen
+        else Answer((), w.probability, w.left, unknown=True) for w in found.chosen
     )  # fmt: skip
     observed = state.prepared.parts["select"].observed
     silent = {name: why for name in library() if (why := missing(name)) and why != "it is no name"}

@@ -1,0 +1,41 @@
+"""What has a name in a gap that no names close: real machines have small laws of their own beside the one that matters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hamr_dynamics.effects.library import library
+
+from ..fitting.parameters import Candidate
+from ..fitting.weighed import Weighed
+from ..naming.hypothesis import Hypothesis
+from ..naming.simpler import without
+from ..naming.tried import Search
+from .weigh import akin, floor_of
+
+NEEDED = 2.0  # times the least that any set leaves of the gap, that whatever lacks a name or its like must leave
+MOST = 0.3  # of the gap, that names may leave to explain part of it: of most laws outside the library they left more
+
+
+def part_of(weighed: Weighed, judged: np.ndarray, state: Search) -> Hypothesis | None:
+    """The effects that are in all sets that leave little, fitted without what else is in these; None if there are none.
+
+    Of effects that are alike the simplest: what has another as its special case is not told from it where something else is missing.
+    """
+    found = sorted(state.by_names().values(), key=lambda h: h.left)
+    floor = floor_of(state.floor, found)
+    if not found or found[0].left - floor > MOST * (state.base.left - floor):
+        return None
+    alike = [h for h in found if h.left - floor <= NEEDED * (found[0].left - floor)]
+    part = min(alike, key=lambda h: sum(bool(library()[c.effect].contains) for c in needed(h.effects, alike)))
+    kept = needed(part.effects, alike)
+    for c in part.effects if kept else ():
+        part = part if c in kept else without(weighed, judged, part, c)
+    return part if kept else None
+
+
+def needed(effects: Sequence[Candidate], alike: Sequence[Hypothesis]) -> list[Candidate]:
+    """Those of some effects that are in every one of some sets, or their likes."""
+    return [c for c in effects if all(any(akin(c.effect, other.effect) for other in h.effects) for h in alike)]
