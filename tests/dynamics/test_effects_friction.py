@@ -122,6 +122,17 @@ def test_bristles_slide_at_their_limit_and_creep_back(effect, given, slow, fast,
         assert pulled(way * 5.0, 200, (0.0, 0.0))[0] == pytest.approx(-way * fast, rel=1e-3)
 
 
+@pytest.mark.parametrize("tail", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0, 5.0])
+def test_bristles_lose_their_excess_as_fast_as_their_tail_says(ratio, tail):
+    law, z = find("stribeck_friction", "lugre"), (0.0, 0.0)
+    p = parameters(law, level=0.02, excess=0.03, speed=0.1, tail=tail, damper=0.0, distance=1e-3)
+    for _ in range(2000):
+        push, z = law.law(Joint(0.0, 0.1 * ratio, 0.0, 1.0, 1.0, 0.0, 1e-3, 9.0), p, z)
+    left = (1.0 - tail) * exp(-(ratio**2)) + tail / (1.0 + ratio**2)
+    assert float(push.force) == pytest.approx(-(0.02 + 0.03 * left), abs=0.07 * 0.03 * (1.0 - tail) + 1e-5)
+
+
 @pytest.mark.parametrize("sharpness", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("effect", ["coulomb_friction", "stribeck_friction"])
 def test_a_damper_in_the_bristles_damps_what_sticks_and_not_what_slides(effect, sharpness):

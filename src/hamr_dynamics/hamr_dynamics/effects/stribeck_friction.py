@@ -24,18 +24,20 @@ def loaded(x: Joint, p, z):
 
 
 def lugre(x: Joint, p, z):
-    """As of coulomb_friction, -(level + excess) z - damper distance dz/dt, whose limit falls from 1 with the rate like a bell."""
+    """As of coulomb_friction, -(level + excess) z - damper distance dz/dt, whose limit falls from 1 with the rate r, in speeds: by
+    (1 - tail) exp(-r^2) + tail / (1 + r^2)."""
     ratio = x.v / p["speed"]
     core = 1.0 / (1.0 + 0.25 * ratio * ratio)
     core = core * core
+    left = core * core + p["tail"] * (bell(ratio) - core * core)  # (1 + r^2 / 4)^-4 is exp(-r^2) within 0.07
     breakaway = p["level"] + p["excess"]
-    # (1 + r^2 / 4)^-4 is exp(-r^2) within 0.07; where all sizes are zero the limit is 1
-    limit = (p["level"] + p["excess"] * core * core + LITTLE) / (breakaway + LITTLE)
+    limit = (p["level"] + p["excess"] * left + LITTLE) / (breakaway + LITTLE)  # where all sizes are zero it is 1
     return bristles(x, p, z, breakaway=breakaway, limit=limit)
 
 
 EXCESS = Parameter("excess", "F", 0.05, 0.0, 10.0, "how much larger it is near standstill")
 BOOST = Parameter("boost", "1", 0.5, 0.0, 5.0, "share by which it is larger near standstill", shape=True)
+TAIL = Parameter("tail", "1", 0.3, 0.0, 1.0, "share of the excess that falls slowly", shape=True)
 SPEED = Parameter("speed", "Q/T", 0.3, 0.01, 5.0, "rate at which half the excess is left", shape=True, screen=(0.1, 0.4))
 
 EFFECT = Effect(
@@ -45,7 +47,7 @@ EFFECT = Effect(
     forms=(
         Form("lorentzian", "force", lorentzian, (LEVEL, EXCESS, SPEED, WIDTH)),
         Form("loaded", "force", loaded, (LEVEL, SHARE, BOOST, SPEED, WIDTH)),
-        Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, DISTANCE, SHARPNESS), states=2),
+        Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, TAIL, DISTANCE, SHARPNESS), states=2),
     ),  # fmt: skip
     experiment="slow breakaway ramps and constant speeds",
     source="Stribeck 1902; LuGre: Canudas de Wit et al. 1995; Olsson et al. 1998, Friction models and friction compensation",

@@ -30,7 +30,7 @@ def sentences(found: Mapping) -> list[str]:
         start = "Or" if i else "Most probable" if len(found["set"]) > 1 else "It is"
         said.append(f"{start} (probability {answer['probability']:.2f}): {answer_in_words(answer)}.")
     if _in_part(found):
-        said.append(f"Whatever was tried without one of these names leaves more than {NEEDED:g} times as much of the gap.")
+        said.append(f"Whatever was tried without that name, or one like it, leaves more than {NEEDED:g} times as much of the gap.")
     if len(found["set"]) > MOST:
         said.append(f"And {len(found['set']) - MOST} more, in the report.")
     if found["verdict"] == "parameters_only":
