@@ -88,18 +88,19 @@ def test_a_gain_comes_and_goes_with_its_periods():
         assert u == pytest.approx(2.0 * (1.0 + 0.1 * np.sin(2 * np.pi * t / 40.0) + 0.2 * np.cos(5 * np.pi * t / 40.0)), abs=1e-9)
 
 
-def test_a_drive_is_warmed_by_its_own_work():
-    """Under a sine the gain nears 1 + change amplitude^2 / 2 with exp(-t / time), and comes back at rest."""
+@pytest.mark.parametrize(("change", "gain"), [(0.1, lambda warm: 1.0 + warm), (-0.1, lambda warm: 1.0 / (1.0 + warm))])
+def test_a_drive_is_warmed_by_its_own_work(change, gain):
+    """Under a sine the heat nears amplitude^2 / 2 with exp(-t / time), and is gone at rest; a gain that falls stays above none."""
     law, z, time = find("drive_drift", "heating"), (0.0,), 50.0
-    given, gains, step = {"change": -0.1, "time": time}, [], 0.05
+    given, gains, step = {"change": change, "time": time}, [], 0.05
     for k in range(int(8.0 * time / step)):
         t = k * step
         u = 2.0 * np.sin(5.0 * t) if t < 4.0 * time else 1e-6
         out, z = law.law(Input(u, (u,), 0, t, step), given, z)
         gains.append(out / u if u else 1.0)
-    warm = 1.0 - 0.1 * 2.0 * (1.0 - np.exp(-np.array([1.0, 3.9])))
+    warm = gain(0.1 * 2.0 * (1.0 - np.exp(-np.array([1.0, 3.9]))))
     assert [gains[int(x * time / step)] for x in (1.0, 3.9)] == pytest.approx(warm, abs=2e-3)
-    left = 1.0 - 0.1 * 2.0 * (1.0 - np.exp(-4.0)) * np.exp(-3.9)
+    left = gain(0.1 * 2.0 * (1.0 - np.exp(-4.0)) * np.exp(-3.9))
     assert gains[int(7.9 * time / step)] == pytest.approx(left, abs=2e-3)
 
 

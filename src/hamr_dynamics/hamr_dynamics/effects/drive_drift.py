@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..scalar import cos, sin
+from ..scalar import cos, maximum, sin
 from .law import Effect, Form, Input, Parameter
 
 #: Turns of the two waves in a run to screen with: a wave between two of them is a quarter of a turn off at the ends, and not lost.
@@ -23,9 +23,10 @@ def settling(x: Input, p, z):
 
 
 def heating(x: Input, p, z):
-    """u (1 + change h), h the mean of u^2 over the time before: what the piezo loses warms it."""
+    """u (1 + change h), or u / (1 - change h) where it falls, h the mean of u^2 over the time before: what the piezo loses warms it."""
     heat = _nearer(z[0], x.u * x.u, x.step, p["time"])
-    return x.u + (p["change"] * heat) * x.u, (heat,)
+    change = p["change"] * heat
+    return x.u * (1.0 + maximum(change, 0.0)) / (1.0 + maximum(-change, 0.0)), (heat,)
 
 
 def waves(x: Input, p, z):
@@ -48,7 +49,7 @@ SETTLING = (
     Parameter("time", "S", 0.1, 0.005, 100.0, "in which most of it happens", shape=True, screen=(0.02, 0.1, 0.5)),
 )
 HEATING = (
-    Parameter("change", "1/U^2", 0.05, -0.6, 3.0, "relative change per mean squared drive"),
+    Parameter("change", "1/U^2", 0.05, -3.0, 3.0, "relative change per mean squared drive"),
     Parameter("time", "S", 0.05, 0.005, 10.0, "over which the mean is taken", shape=True, screen=(0.02, 0.05, 0.12)),
 )
 WAVES = (
