@@ -21,13 +21,6 @@ def test_a_cubic_spring_shifts_the_resonance_with_the_amplitude(cubic):
     assert hard / linear - 1.0 == pytest.approx(3 / 8 * cubic, rel=0.02)
 
 
-@pytest.mark.parametrize("quintic", [0.02, -0.02])
-def test_a_quintic_spring_shifts_it_with_the_fourth_power(quintic):
-    """By 5/16 k5 A^4 / k of it."""
-    (_, linear), (_, hard) = (free_decay("cubic_stiffness", "quintic", 10, cubic=0.0, quintic=x) for x in (0.0, quintic))
-    assert hard / linear - 1.0 == pytest.approx(5 / 16 * quintic, rel=0.02)
-
-
 def test_structural_damping_loses_the_same_at_every_frequency():
     losses = [modulus("structural_damping", "ladder", omega, loss=0.1, time=1.0).imag for omega in (0.2, 0.5, 1.0, 2.0, 5.0)]
     assert losses == pytest.approx([0.1] * 5, rel=0.06)

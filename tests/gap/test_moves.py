@@ -88,6 +88,19 @@ def test_starts_far_worse_than_the_best_are_not_fitted():
     assert promising(starts, ALONE) == starts[:2]
 
 
+@pytest.mark.parametrize(("names", "families", "effects"), [(2, 1, "a"), (2, 2, "ab"), (3, 2, "ab"), (5, 2, "abc")])
+def test_places_of_one_effect_crowd_no_other_out(monkeypatch, names, families, effects):
+    """Of a structural damping eight to ten names at one joint or both began better, so that it was not fitted."""
+    monkeypatch.setattr(single_effects, "SINGLES", names)
+    monkeypatch.setattr(single_effects, "FAMILIES", families)
+    ordered = [replace(FRICTION, effect=effect, joints=at) for effect in "abc" for at in ((0,), (0, 1))]
+    starts = [Start((c,), (), np.zeros(0), cost) for cost, c in enumerate(ordered)]
+    wanted = single_effects.single_names(starts)
+    assert list(dict.fromkeys(s.effects[0].effect for s in wanted)) == list(effects)
+    assert len(wanted) >= names
+    assert wanted == starts[: len(wanted)]
+
+
 @pytest.mark.parametrize("near", [True, False])
 def test_the_model_as_given_is_looked_about_only_where_the_retune_is_not_far_better(rubbing, monkeypatch, near):
     """Names that are liked there are fitted in their own order: their starts cost more than those about the re-tune."""
@@ -95,6 +108,7 @@ def test_the_model_as_given_is_looked_about_only_where_the_retune_is_not_far_bet
     given = fit(rubbing.weighed, free, np.zeros(len(free)), steps=0)
     monkeypatch.setattr(single_effects, "ASTRAY", given.cost / rubbing.base.fit.cost * (1.01 if near else 0.99))
     monkeypatch.setattr(single_effects, "SINGLES", 1)
+    monkeypatch.setattr(single_effects, "FAMILIES", 1)
     about = []
     monkeypatch.setattr(single_effects, "look", lambda weighed, fit, *more, **how: (about.append(fit), look(weighed, fit, *more, **how))[1])
     everything = [FRICTION, *BESIDE]

@@ -18,7 +18,8 @@ def found(leg: str, inside: int, *answers: tuple[tuple[str, ...], float]) -> Fou
     every = [
         {
             "effects": [{"effect": name, "form": "any", "joints": [f"{leg}_lift"], "parameters": {}} for name in names],
-            "probability": p, "left": 0.0, "forms": {}, "parameters": {"stiffness": {f"{leg}_lift": {"value": k}}}, "gap": gap(k),
+            "probability": p, "left": 0.0, "forms": {}, "unknown": False, "gap": gap(k),
+            "parameters": {"stiffness": {f"{leg}_lift": {"value": k}}},
         }
         for k, (names, p) in enumerate(answers)
     ]  # fmt: skip

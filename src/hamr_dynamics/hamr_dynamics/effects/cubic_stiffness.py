@@ -18,13 +18,6 @@ def mixed(x: Joint, p, z):
     return Push(-(x.q * x.q * (p["quadratic"] + p["cubic"] * x.q)), stiffness=x.q * (2.0 * p["quadratic"] + 3.0 * p["cubic"] * x.q)), z
 
 
-def quintic(x: Joint, p, z):
-    """-(k3 q^3 + k5 q^5): hardens or softens faster, or turns."""
-    square = x.q * x.q
-    cube, fifth = p["cubic"] * square, p["quintic"] * square * square
-    return Push(-((cube + fifth) * x.q), stiffness=3.0 * cube + 5.0 * fifth), z
-
-
 EFFECT = Effect(
     name="cubic_stiffness",
     part="transmission",
@@ -32,7 +25,6 @@ EFFECT = Effect(
     forms=(
         Form("cubic", "force", cubic, (CUBIC,)),
         Form("mixed", "force", mixed, (Parameter("quadratic", "F/Q^2", 0.02, -5.0, 5.0, "force over squared angle"), CUBIC)),
-        Form("quintic", "force", quintic, (CUBIC, Parameter("quintic", "F/Q^5", 0.02, -5.0, 5.0, "force over angle to the fifth"))),
     ),
     experiment="two amplitudes: the resonance moves with amplitude, odd harmonics appear",
     source="hamr_facts 7, effect 3; Duffing 1918; Wigren and Schoukens 2013 (Silverbox)",

@@ -15,20 +15,23 @@ from ..naming.simpler import without
 from ..naming.tried import Search
 from .weigh import akin, floor_of
 
-NEEDED = 2.0  # times the least that any set leaves of the gap, that whatever lacks a name or its like must leave
+NEEDED = 1.5  # times what the likeliest set leaves of the gap, that whatever lacks a name or its like must leave
 MOST = 0.3  # of the gap, that names may leave to explain part of it: of most laws outside the library they left more
+SIZE, SECOND = 2, 0.5  # effects at most, for three imitate anything; what a second one must leave at most of what one leaves
 
 
 def part_of(weighed: Weighed, judged: np.ndarray, state: Search) -> Hypothesis | None:
-    """The effects that are in all sets that leave little, fitted without what else is in these; None if there are none.
+    """The effects that are in all sets that leave about as little as the likeliest, fitted without what else is there; None if none is.
 
     Of effects that are alike the simplest: what has another as its special case is not told from it where something else is missing.
     """
     found = sorted(state.by_names().values(), key=lambda h: h.left)
     floor = floor_of(state.floor, found)
-    if not found or found[0].left - floor > MOST * (state.base.left - floor):
+    few = (h for h in found if len(h.effects) <= SIZE)
+    best = min(few, key=lambda h: (h.left - floor) / SECOND ** len(h.effects), default=None)
+    if best is None or best.left - floor > MOST * (state.base.left - floor):
         return None
-    alike = [h for h in found if h.left - floor <= NEEDED * (found[0].left - floor)]
+    alike = [h for h in found if h.left - floor <= NEEDED * (best.left - floor)]
     part = min(alike, key=lambda h: sum(bool(library()[c.effect].contains) for c in needed(h.effects, alike)))
     kept = needed(part.effects, alike)
     for c in part.effects if kept else ():

@@ -31,7 +31,7 @@ def single_starts(
     if given.cost < ASTRAY * base.fit.cost:  # a strong effect leads the re-tune astray
         found += (liked := singles(weighed, given, look(weighed, given, everything, like=base.fit, before=seen), everything))
     near = promising(found, ALONE)
-    wanted = in_forms(_first(near), near, ALL_FORMS)
+    wanted = in_forms(single_names(near), near, ALL_FORMS)
     wanted += _by_pieces(weighed, judged, base, everything)
     names = {start.effects[0].name for start in wanted}  # what the model as given likes costs more before it is re-tuned
     return found, [*wanted, *(start for start in first_of_each(liked, GIVEN) if start.effects[0].name not in names)]
@@ -47,9 +47,9 @@ def _by_pieces(weighed: Weighed, judged: np.ndarray, base: Hypothesis, everythin
     short = weighed.in_pieces
     about = fit(short, base.fit.free, base.fit.x)
     near = promising(singles(short, about, look(short, about, everything), everything), ALONE)
-    return in_forms(_first(near), near, ALL_FORMS)
+    return in_forms(single_names(near), near, ALL_FORMS)
 
 
-def _first(near: Sequence[Start]) -> list[Start]:
+def single_names(near: Sequence[Start]) -> list[Start]:
     """Starts of the names that leave least: so many names and so many effects at least."""
     return max(first_of_each(near, SINGLES), first_families(near, FAMILIES), key=len)
