@@ -27,6 +27,7 @@ ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 FREER = 0.3  # log odds against a factor e in the number of sizes and shapes: they are judged where they were not fitted
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case
 UNKNOWN = 0.1  # of the gap: where names leave more, none of the library is right; known laws left up to 0.06, most others 0.14 and more
+IMPOSSIBLE = 0.2  # of the gap: what leaves more is no answer where names that are about as probable leave less than `UNKNOWN`
 COVERAGE = 0.9  # of a set
 DECIDES = 8.0  # half squared distance in units of noise below which data tell nothing apart (d' of 4)
 
@@ -67,6 +68,9 @@ def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
     # a law outside the library competes with the first names by what they leave, whatever their price
     first = max((s for *_, s in found), default=0.0)
     left = max(min((left for _, left, s in found if s >= first - CONTAINS), default=UNKNOWN) - nothing / gap, 0.0)
+    if left < UNKNOWN:
+        found = [(h, share, s if share < IMPOSSIBLE else -np.inf) for h, share, s in found]
+        first = max((s for *_, s in found), default=0.0)
     found.append((None, UNKNOWN, first + log_odds(UNKNOWN, least) - log_odds(left, least)))
     score = np.array([s for *_, s in found])
     p = np.exp(score - score.max())
