@@ -18,7 +18,14 @@ from hamr_gap.judging.analyse import analyse
 from hamr_gap.legs import machine_of, record_of
 from hidden_gap.case import JOINTS, Case
 
-CASES = json.loads(Path(__file__).with_name("cases.json").read_text())
+CASES = json.loads(Path(__file__).with_name("cases.json").read_text())  # drawn for development, their strength met
+
+
+def of(*groups: str) -> pytest.MarkDecorator:
+    """Cases of some groups, called by what is hidden."""
+    chosen = [c for c in CASES if c["group"] in groups]
+    ids = [" + ".join(e["law"] for e in c["effects"]) or c["noise_kind"] for c in chosen]
+    return pytest.mark.parametrize("case", [from_plain(c) for c in chosen], ids=ids)
 
 
 def record(case: Case):
@@ -26,15 +33,25 @@ def record(case: Case):
     return record_of(samples_of(case, truth, hidden_gap.measured(case, truth), recorded(case, truth)), LEG, JOINTS)
 
 
-@pytest.mark.parametrize("given", CASES, ids=[c["effects"][0]["family"] for c in CASES])
-def test_a_hidden_effect_is_found_and_placed(given):
-    case = from_plain(given)  # drawn for development, its strength met
+@of("single", "pair")
+def test_a_hidden_effect_is_found_and_placed(case):
     found = analyse(machine_of("simple", "fl"), record(case))
     assert found.verdict.verdict in ("named", "ambiguous")
     first = found.verdict.set[0]
     assert {(e.effect, tuple(sorted(e.joints))) for e in first.effects} == {(e.family, tuple(sorted(e.joints))) for e in case.effects}
     left = found.left(found.prepared.roles.report)
     assert left["best"] - left["floor"] < 0.2 * (left["base"] - left["floor"])  # on readings that nothing else has seen
+
+
+@of("outside")
+def test_a_law_outside_the_library_is_said_to_be_one(case):
+    assert analyse(machine_of("simple", "fl"), record(case)).verdict.verdict == "unknown"
+
+
+@of("null")
+def test_noise_that_is_not_white_is_no_effect(case):
+    assert case.noise_kind != "white"
+    assert analyse(machine_of("simple", "fl"), record(case)).verdict.verdict == "no_significant_gap"
 
 
 @pytest.mark.parametrize("seed", [300_000, 300_001])
