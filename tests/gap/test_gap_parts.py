@@ -206,6 +206,16 @@ def test_a_named_part_of_an_unknown_answer_is_no_answer_of_other_legs():
     assert said[1].endswith(" and a law outside the library.")
 
 
+@pytest.mark.parametrize(("third", "said"), [("backlash", ["backlash"]), ("drive_lag", []), (None, [])])
+def test_what_all_answers_have_is_said(third, said):
+    """A measured double pendulum has friction in each of three answers, beside a gain that varies in one way or another."""
+    answers = [["backlash", "drive_drift"], ["air_drag", "backlash"], [third] if third else []]
+    each = [[{"effect": e, "form": "any", "place": "arm", "parameters": {}} for e in names] for names in answers]
+    rows = [{"effects": effects, "probability": 0.3, "unknown": 0} for effects in each]
+    found = {"verdict": "ambiguous", "set": rows, "machines": {}, "refused": {}, "experiment": None}
+    assert [s for s in sentences(found) if s.startswith("In all of them")] == [f"In all of them: {name}." for name in said]
+
+
 def test_an_effect_at_two_joints_is_written_for_each_with_its_own_parameters():
     each = {joint: {"value": x, "unit": "", "low": x, "high": x} for joint, x in zip(JOINTS[:2], (1e-6, 2e-6), strict=True)}
     width = {joint: {"value": 0.1, "unit": "", "low": 0.0, "high": 1.0} for joint in JOINTS[:2]}

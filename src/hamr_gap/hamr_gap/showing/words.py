@@ -33,6 +33,8 @@ def sentences(found: Mapping) -> list[str]:
         said.append(f"Whatever was tried without that name, or one like it, leaves more than {NEEDED:g} times as much of the gap.")
     if len(found["set"]) > MOST:
         said.append(f"And {len(found['set']) - MOST} more, in the report.")
+    if len(found["set"]) > 1 and (common := _in_all(found["set"])):
+        said.append(f"In all of them: {', '.join(common)}.")
     if found["verdict"] == "parameters_only":
         said += _retuned(found["parameters"])
     tables = [e for own in found["machines"].values() for e in own["added"] if e["effect"] == TABLE]
@@ -65,6 +67,12 @@ def _headline(found: Mapping) -> str:
         return IN_PART if _in_part(found) else HEADLINES[found["verdict"]]
     left = ", ".join(f"{x:.1f} times the noise at {name}" for name, x in times.items())
     return f"No effect is surely missing, but something is not explained: the re-tuned model leaves {left}."
+
+
+def _in_all(answers: Sequence[Mapping]) -> list[str]:
+    """Effects that no answer is without, wherever they are."""
+    names = [{e["effect"] for e in answer["effects"]} for answer in answers]
+    return sorted(set.intersection(*names))
 
 
 def _in_part(found: Mapping) -> bool:
