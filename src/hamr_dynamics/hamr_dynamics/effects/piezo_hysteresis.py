@@ -41,4 +41,5 @@ EFFECT = Effect(
     ),
     experiment="slow triangles of two amplitudes, with minor loops",
     source="hamr_facts 7, effect 11; Bouc 1967, Wen 1976; Kuhnen 2003 (Prandtl-Ishlinskii)",
+    mimics=("spring_hysteresis",),  # far below the resonance, where a drive is a force
 )  # fmt: skip

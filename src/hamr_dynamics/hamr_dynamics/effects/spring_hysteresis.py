@@ -71,4 +71,5 @@ EFFECT = Effect(
     experiment="slow triangles of two amplitudes, with minor loops",
     source="Bouc 1967, Wen 1976; Iwan 1966; benchmark of hysteresis: Noel and Schoukens 2016",
     contains=("coulomb_friction",),  # without skew, and a short way
+    mimics=("piezo_hysteresis",),  # far below the resonance
 )  # fmt: skip
