@@ -148,7 +148,9 @@ def test_a_tachometer_shows_dry_friction(tmp_path):
     assert effect["parameters"]["level"]["value"] == pytest.approx(1.0, rel=0.03)
     assert found["shown"]["closed"] > 0.99
     assert found["shown"]["machines"]["motor"]["channels"]["shaft_rate"]["unit"] == "rad/s"
-    assert "sensor_quantisation" in {silent["effect"] for silent in found["not_observable"]}
+    silent = {s["effect"] for s in found["not_observable"]}
+    assert "sensor_quantisation" in silent
+    assert not silent & {"ground_friction", "added_mass", "tether_force"}  # no shaft walks
     assert "shaft_rate" in (tmp_path / "out" / "report.html").read_text()
 
 

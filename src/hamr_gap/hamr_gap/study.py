@@ -24,6 +24,7 @@ from .answers.together import together
 from .answers.version import code
 from .data.drives_bag import write_drives
 from .data.record import Record
+from .naming.candidates import AIRBORNE
 from .showing import emit
 from .showing.overlay import write_overlay
 from .showing.report import write_report
@@ -101,6 +102,8 @@ def conclude(
     founds, combinations = together({name: part.found for name, part in parts.items()})
     parts = {name: replace(part, found=founds[name]) for name, part in parts.items()}
     named = answer(founds, combinations, refused)
+    if not legs:  # which walk, unlike other machines
+        named["not_observable"] = [silent for silent in named["not_observable"] if silent["why"] != AIRBORNE]
     if legs and (drives := {name: x for name, part in parts.items() if len(x := part.found.arrays.get("experiment", ()))}):
         write_drives(drives, {name: parts[name].record for name in drives}, out / EXPERIMENT)
         for name in drives:

@@ -11,6 +11,8 @@ from hamr_dynamics.machine import Machine
 from ..data.record import Record
 from ..fitting.parameters import Candidate
 
+AIRBORNE = "the machine does not touch the ground"
+
 
 def candidates(machine: Machine, record: Record) -> list[Candidate]:
     """All that can be named: each form at each joint and at all joints, those of a drive where it changes, those of a coordinate's
@@ -42,7 +44,7 @@ def missing(effect: str, machine: Machine, record: Record) -> str:
     """Why a suspended run cannot show an effect; empty if it can."""
     needs = library()[effect].needs
     if "ground" in needs:
-        return "the machine does not touch the ground"
+        return AIRBORNE
     if not record.driven.any() and all(form.acts == "drive" for form in library()[effect].forms):
         return "no drive ever changes"
     if "deflections" in needs and all(machine.motion_of(channel) for channel in record.channels):
