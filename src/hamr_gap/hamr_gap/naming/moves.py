@@ -136,10 +136,8 @@ def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypoth
 
 
 def in_other_forms(weighed: Weighed, judged: np.ndarray, alone: Sequence[Start], tried: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """The single effects that leave least, from all of their starts, `alone`, that were not fitted: other forms, and shapes that began worse.
-
-    A valley's fit from the wrong side of its middle ends elsewhere.
-    """
+    """The single effects that leave least, from those of their starts, `alone`, that were not fitted: other forms, and shapes that began
+    worse. From the wrong side of the middle of a soft place in the travel a fit ends elsewhere."""
     names = list(dict.fromkeys(h.effects[0].name for h in sorted(tried, key=lambda h: h.left) if len(h.effects) == 1))[:NAMES]
     fitted, wanted = {h.effects for h in tried}, []
     for start in sorted(alone, key=lambda s: s.cost):
