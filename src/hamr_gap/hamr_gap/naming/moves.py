@@ -25,7 +25,6 @@ ALIKE = 1.5  # times the least cost, up to which fewer places explain as much
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
 ALONE, PROMISING = 20.0, 3.0  # times the cost of the best start, from which one effect, or a larger set, is fitted at all
 MORE = 6  # effects fitted beside others
-NAMES = 3  # whose other forms are fitted
 
 
 def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None, before: Screen | None = None) -> Screen:
@@ -133,19 +132,6 @@ def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypoth
     effects = (*h.effects[:-1], replace(own, joints=tuple(sorted((*own.joints, *added.joints)))))
     free, x = (*h.fit.free, *(f for f, _ in more)), np.array([*h.fit.x, *(x for _, x in more)])
     return refine(weighed, judged, Start(effects, free, x, np.inf))
-
-
-def in_other_forms(weighed: Weighed, judged: np.ndarray, alone: Sequence[Start], tried: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """The single effects that leave least, from those of their starts, `alone`, that were not fitted: other forms, and shapes that began
-    worse. From the wrong side of the middle of a soft place in the travel a fit ends elsewhere."""
-    names = list(dict.fromkeys(h.effects[0].name for h in sorted(tried, key=lambda h: h.left) if len(h.effects) == 1))[:NAMES]
-    fitted, wanted = {h.effects for h in tried}, []
-    for start in sorted(alone, key=lambda s: s.cost):
-        if start.effects in fitted:
-            fitted.discard(start.effects)  # the best of its starts has been
-        elif start.effects[0].name in names:
-            wanted.append(start)
-    return refined(weighed, judged, wanted, [min(tried, key=lambda h: h.left)])
 
 
 def in_other_shapes(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, tried: Sequence[Hypothesis]) -> list[Hypothesis]:

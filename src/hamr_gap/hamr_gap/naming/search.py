@@ -10,7 +10,7 @@ from ..fitting.weighed import Weighed
 from .candidates import candidates
 from .exchange import exchange, twins
 from .hypothesis import Hypothesis, Start
-from .moves import at_both, beside, in_other_forms, in_other_shapes, look, pairs_of
+from .moves import at_both, beside, in_other_shapes, look, pairs_of
 from .sensor_steps import staircases, with_stairs
 from .simpler import as_narrow, in_its_place, narrowed, without
 from .single_effects import single_starts
@@ -47,7 +47,6 @@ def search(
     state.rough = len(state.tried) > len(wanted) + len(known)
     state.tried += at_both(weighed, judged, state.tried)
     if state.best.left - noise_floor(weighed, state.best) > state.enough:
-        state.tried += in_other_forms(weighed, judged, alone, state.tried)
         state.tried += in_other_shapes(weighed, judged, base.fit, seen, state.tried)
     lone = sorted((h for h in state.tried if len(h.effects) == 1), key=lambda h: h.left)[:LED]  # what is known may be more than one
     late = lone[0].fit.sensors.shift
