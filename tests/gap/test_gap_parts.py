@@ -137,7 +137,8 @@ def test_the_common_factor_is_spoken_of_where_there_is_one():
 
 def test_of_an_unknown_law_what_comes_nearest_is_said():
     rows = [("lag + drag", 2, 0.4), ("lag", 1, 0.5), ("drag", 1, 0.9), ("lag + drag + play", 3, 0.45)]
-    own = {"verdict": "unknown", "added": [], "tried": [dict(zip(("effects", "count", "left"), row, strict=True)) for row in rows]}
+    tried = [dict(zip(("effects", "count", "left"), row, strict=True)) for row in rows]
+    own = {"verdict": "unknown", "set": [], "added": [], "tried": tried}
     found = {"verdict": "unknown", "set": [{"effects": [], "probability": 0.9, "unknown": 1}], "machines": {"arm": own}}
     found |= {"refused": {}, "experiment": None}
     nearest = "What comes nearest at arm: lag leaves 50 % of the gap; lag + drag leaves 40 % of the gap."
@@ -151,7 +152,7 @@ def test_of_an_unknown_law_what_comes_nearest_is_said():
     (["hum"], -48.6, "What was found does not hold there; taken out again, it is 8.00."),
 ])  # fmt: skip
 def test_what_was_found_is_said_to_hold_only_where_it_does(added, closed, said):
-    own = {"verdict": "unknown", "added": [{"effect": name} for name in added], "tried": []}
+    own = {"verdict": "unknown", "set": [], "added": [{"effect": name} for name in added], "tried": []}
     channels = {"arm": {"unit": "rad", "noise": 1e-3, "raw": 0.012, "retuned": 0.006, "after": 0.007}}
     shown = {"machines": {"arm": {"channels": channels}}, "data": "other data", "closed": closed}
     shown["over_floor"] = {"raw": 12.0, "retuned": 6.0, "after": 7.0, "removed": 8.0}
@@ -201,9 +202,12 @@ def test_a_named_part_of_an_unknown_answer_is_no_answer_of_other_legs():
     whole = answer(*together(founds))
     assert whole["verdict"] == "unknown"
     assert [(len(a["effects"]), a["unknown"], a["probability"]) for a in whole["set"]] == [(1, 1, pytest.approx(0.9025))]
-    said = sentences(whole | {"machines": {}})
+    own = {name: {"added": [], "tried": [], "verdict": "named", "set": f.verdict["set"]} for name, f in founds.items()}
+    said = sentences(whole | {"machines": own})
     assert said[0].startswith("Part of what is missing has a name")
     assert said[1].endswith(" and a law outside the library.")
+    own["fl"] |= {"set": [{"effects": [], "unknown": True}]}  # then the name is the other leg's, and no part
+    assert sentences(whole | {"machines": own})[0] == HEADLINES["unknown"]
 
 
 @pytest.mark.parametrize(("third", "said"), [("backlash", ["backlash"]), ("drive_lag", []), (None, [])])

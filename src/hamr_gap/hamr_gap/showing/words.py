@@ -76,7 +76,9 @@ def _in_all(answers: Sequence[Mapping]) -> list[str]:
 
 
 def _in_part(found: Mapping) -> bool:
-    return found["verdict"] == "unknown" and any(answer["unknown"] and answer["effects"] for answer in found["set"])
+    """Whether some machine's own answer is a name beside an unknown law: another's name is no part of it."""
+    own = (answer for own in found["machines"].values() for answer in own["set"])
+    return found["verdict"] == "unknown" and any(answer["unknown"] and answer["effects"] for answer in own)
 
 
 def _retuned(parameters: Sequence[Mapping]) -> list[str]:
