@@ -26,6 +26,7 @@ def tried(*sets: tuple[str, float]) -> SimpleNamespace:
 
 @pytest.mark.parametrize(("sets", "part"), [
     ([(FRICTION, 0.2), (PLAY, 0.5)], FRICTION),
+    ([(FRICTION, 0.15), (PLAY, 0.27)], FRICTION),
     ([(FRICTION, 0.2), (PLAY, 0.28)], None),  # another explains nearly as much
     ([(FRICTION, 0.2), (STRIBECK, 0.25)], FRICTION),  # which is its like
     ([(FRICTION, 0.25), (STRIBECK, 0.2)], FRICTION),  # and holds it as a special case
