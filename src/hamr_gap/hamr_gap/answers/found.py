@@ -19,7 +19,7 @@ from ..fitting.sensors import Sensors
 from ..judging.analyse import Analysis, analyse, answer_of
 from ..judging.stated import stated
 from ..judging.table import fit_table
-from ..judging.weigh import Weight, floor_of
+from ..judging.weigh import Weight
 from ..naming.hypothesis import Hypothesis, settled
 from ..naming.prepare import Prepared
 
@@ -144,8 +144,7 @@ def decides(analysis: Analysis, *, seed: int = 0) -> tuple[dict, np.ndarray] | N
     rivals = [w.hypothesis for w in analysis.weights[: len(analysis.verdict.set)] if w.hypothesis is not None]
     if len(rivals) < 2 or not model.record.driven.any():
         return None
-    floor = floor_of(state.floor, state.by_names().values())
-    proposal = propose(analysis.prepared, [state.forms_of(h) for h in rivals], floor=floor, seed=seed)
+    proposal = propose(analysis.prepared, [state.forms_of(h) for h in rivals], noise=state.floor, seed=seed)
     return proposal.as_dict([in_words(h.effects, model.machine.joints) for h in rivals]), proposal.drives
 
 

@@ -73,12 +73,13 @@ def after(prepared: Prepared, run: Record) -> Weighed:
 
 
 def served(weighed: Weighed) -> tuple[np.ndarray, np.ndarray]:
-    """(n, channels) readings of a record and a run after it that will be fitted, and that will be judged; all, where they are too few."""
+    """(n, channels) readings of a record and a run after it that will be fitted, and that names will be told apart by, these among them;
+    all, where they are too few."""
     try:
         roles = roles_of(weighed.model, weighed.model.machine.to_si["T"])
     except BagError:
         return weighed.chosen, weighed.chosen
-    return mask(weighed.model, roles.fit), mask(weighed.model, roles.select)
+    return mask(weighed.model, roles.fit), mask(weighed.model, roles.fit | roles.select)
 
 
 def within(model: Model, drives: np.ndarray, *rivals: Hypothesis) -> np.ndarray:
@@ -143,5 +144,5 @@ class Follower:
         square[told] = left**2
         record, run = square[: self._own], square[self._own :]
         means = [float(np.nanmean(part)) if np.isfinite(part).any() else 0.0 for part in (record, run)]
-        blocks = [part[np.isfinite(part)] for part in np.array_split(square[told.any(1)], BLOCKS)]
+        blocks = [part[np.isfinite(part)] for part in np.array_split(square[told.any(1)], 2 * BLOCKS)]
         return Apart(*means, throughout=foreseen(*zip(*[(block.mean(), block.size) for block in blocks if block.size], strict=True)))

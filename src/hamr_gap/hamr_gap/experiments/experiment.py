@@ -14,7 +14,8 @@ from itertools import permutations
 
 import numpy as np
 
-from ..judging.weigh import COVERAGE, least_told, log_odds
+from ..judging.told_apart import by_all
+from ..judging.weigh import COVERAGE, floor_of, least_told, log_odds
 from ..naming.blocks import THROUGHOUT
 from ..naming.hypothesis import Hypothesis
 from ..naming.prepare import Prepared
@@ -61,15 +62,15 @@ class Proposal:
         }  # fmt: skip
 
 
-def propose(prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], *, floor: float, seed: int = 0) -> Proposal:
+def propose(prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], *, noise: float, seed: int = 0) -> Proposal:
     """The shortest experiment between fitted names, as many of them as one decides, within the drives and the motion that were measured.
 
     Args:
         rivals: two names or more, each as the forms that do about as well, the best first.
-        floor: mean square that noise leaves, as `weigh.floor_of` takes it. seed: of noise in the signals.
+        noise: mean square that noise alone leaves, as estimated. seed: of noise in the signals.
     """
     for count in range(len(rivals), 1, -1):
-        proposal = _Choice(prepared, rivals[:count], floor, seed).shortest()
+        proposal = _Choice(prepared, rivals[:count], noise, seed).shortest()
         if proposal.signal:
             break
     return proposal
@@ -101,13 +102,16 @@ class _Run:
 class _Choice:
     """The choice of a signal that decides between all of some names."""
 
-    def __init__(self, prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], floor: float, seed: int) -> None:
+    def __init__(self, prepared: Prepared, rivals: Sequence[Sequence[Hypothesis]], noise: float, seed: int) -> None:
         model = prepared.weighed.model
         self._prepared, self._rivals, self._seed, self._second = prepared, rivals, seed, 1.0 / model.machine.to_si["T"]
         self._own = model.record.span / self._second  # s
-        self._before = max(prepared.base.left - floor, 1e-12)
-        self._known = max(min(forms[0].left for forms in rivals) - floor, 0.0)
-        chance = 2.0 * np.sqrt(2.0 / prepared.judged.sum())  # two standard deviations of a mean square of noise
+        base, *right = (by_all(prepared.weighed, prepared.judged, h) for h in (prepared.base, *(forms[0] for forms in rivals)))
+        floor = floor_of(noise, right)
+        self._count = int(prepared.judged.sum() + prepared.weighed.chosen.sum())
+        self._before = max(base.left - floor, 1e-12)
+        self._known = max(min(h.left for h in right) - floor, 0.0)
+        chance = 2.0 * np.sqrt(2.0 / self._count)  # two standard deviations of a mean square of noise
         self._law = max(self._known - chance, 0.0) / self._before
 
     def shortest(self) -> Proposal:
@@ -186,11 +190,12 @@ class _Choice:
         """
         share, apart = self._new(seconds), pair.apart
         gap = (1.0 - share) * self._before + share * pair.retuned.run
-        law = (1.0 - share) * self._known + share * self._law * pair.retuned.run
+        error = FLOOR_ERROR if self._known else 0.0  # which more readings have to share
+        law = max((1.0 - share) * (self._known + error) + share * self._law * pair.retuned.run - error, 0.0)
         rival = (1.0 - share) * apart.record + share * apart.run
         if surely and apart.throughout < SURELY:
             rival = max(0.0, rival - FLOOR_ERROR)
-        least = least_told(gap, self._prepared.judged.sum() / (1.0 - share))
+        least = least_told(gap, self._count / (1.0 - share))
         return float(log_odds(law / gap, least) - log_odds((law + rival) / gap, least))
 
     def _new(self, seconds: float) -> float:

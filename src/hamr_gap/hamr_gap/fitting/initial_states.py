@@ -55,7 +55,8 @@ class InitialStates:
             if stop <= y.shape[-2]:
                 part = left[..., first:stop, :]
                 flat = part.reshape(*y.shape[:-2], len(basis))
-                left[..., first:stop, :] = (flat - (flat @ basis) @ basis.T).reshape(part.shape)
+                with np.errstate(invalid="ignore"):  # a run that diverges is not finite, and stays so
+                    left[..., first:stop, :] = (flat - (flat @ basis) @ basis.T).reshape(part.shape)
         return np.where(self.known[: y.shape[-2]], left * self.sigma, y)
 
 

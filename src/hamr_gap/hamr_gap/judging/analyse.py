@@ -23,6 +23,7 @@ from .colour import correlation_time
 from .detect import detectable
 from .part import part_of
 from .stated import Stated, at_bounds, degenerate, poor, stated
+from .told_apart import told_apart
 from .unexplained import ALONE, structural
 from .verdict import Answer, Gap, Verdict
 from .weigh import Weight, credible, weigh
@@ -73,7 +74,7 @@ def analyse(machine: Machine, record: Record, report: Callable[[str], None] = la
     """
     prepared, state = searched(machine, record, report)
     least = prepared.weighed.least
-    weights = weigh(state, least)
+    weights = told_apart(prepared.weighed, prepared.judged, state, weigh(state, least))
     evidence = _evidence(prepared, state)
     explained = prepared.base.left - state.best.left
     confirmed = 0.0 if evidence[0] > SURE * SIGNIFICANT else CONFIRMED
