@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from hamr_gap.fitting.parameters import Candidate, effect_parameters
 from hamr_gap.legs import machine_of
 from hamr_gap.naming import single_effects
 from hamr_gap.naming.hypothesis import Start, refine, refined
-from hamr_gap.naming.moves import ALONE, apart, at_both, look, pairs_of, promising, singles
+from hamr_gap.naming.moves import ALONE, apart, at_both, from_elsewhere, look, pairs_of, promising, singles
 from hamr_gap.naming.prepare import prepare
 from hamr_gap.naming.tried import Search
 
@@ -86,6 +87,18 @@ def test_only_what_the_linear_picture_likes_is_simulated_alone_but_all_of_it_in_
 def test_starts_far_worse_than_the_best_are_not_fitted():
     starts = [Start((c,), (), np.zeros(0), cost) for c, cost in ((FRICTION, 1.0), (BESIDE[0], 0.99 * ALONE), (BESIDE[1], 1.01 * ALONE))]
     assert promising(starts, ALONE) == starts[:2]
+
+
+def test_what_leaves_least_is_fitted_from_all_its_starts(monkeypatch):
+    """A soft place in the travel was fitted from the worse of two centres, and left 4 % of the gap; from the other it leaves nothing."""
+    monkeypatch.setattr("hamr_gap.naming.moves.NAMES", 1)
+    monkeypatch.setattr("hamr_gap.naming.moves.refined", lambda weighed, judged, wanted, known: [*wanted, *known])
+    sign, play = replace(FRICTION, form="sign"), replace(FRICTION, effect="backlash", form="dead_band")
+    alone = [Start((c,), (), np.zeros(0), cost) for cost, c in enumerate((play, play, FRICTION, sign, FRICTION))]
+    tried = [SimpleNamespace(effects=(c,), left=left) for c, left in ((FRICTION, 1.0), (play, 2.0))]
+    *wanted, known = from_elsewhere(None, None, alone, tried)
+    assert wanted == alone[3:]
+    assert known is tried[0]
 
 
 @pytest.mark.parametrize(("names", "families", "effects"), [(2, 1, "a"), (2, 2, "ab"), (3, 2, "ab"), (5, 2, "abc")])

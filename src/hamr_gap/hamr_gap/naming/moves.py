@@ -25,6 +25,7 @@ ALIKE = 1.5  # times the least cost, up to which fewer places explain as much
 PAIRS_SEEN, PAIRS = 60, 5  # pairs simulated, and fitted
 ALONE, PROMISING = 20.0, 3.0  # times the cost of the best start, from which one effect, or a larger set, is fitted at all
 MORE = 6  # effects fitted beside others
+NAMES = 3  # single ones that are fitted from all their starts where more than one seems to be missing
 
 
 def look(weighed: Weighed, about: Fit, wanted: Sequence[Candidate], *, like: Fit | None = None, before: Screen | None = None) -> Screen:
@@ -132,6 +133,21 @@ def _together(weighed: Weighed, judged: np.ndarray, h: Hypothesis, other: Hypoth
     effects = (*h.effects[:-1], replace(own, joints=tuple(sorted((*own.joints, *added.joints)))))
     free, x = (*h.fit.free, *(f for f, _ in more)), np.array([*h.fit.x, *(x for _, x in more)])
     return refine(weighed, judged, Start(effects, free, x, np.inf))
+
+
+def from_elsewhere(weighed: Weighed, judged: np.ndarray, alone: Sequence[Start], tried: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The single effects that leave least, from all their starts, `alone`, that were not fitted: other forms, and shapes that began worse.
+
+    A soft place's fit from the wrong side of its middle ends where two other effects leave less.
+    """
+    names = list(dict.fromkeys(h.effects[0].name for h in sorted(tried, key=lambda h: h.left) if len(h.effects) == 1))[:NAMES]
+    fitted, wanted = {h.effects for h in tried}, []
+    for start in sorted(alone, key=lambda s: s.cost):
+        if start.effects in fitted:
+            fitted.discard(start.effects)  # the best of its starts has been
+        elif start.effects[0].name in names:
+            wanted.append(start)
+    return refined(weighed, judged, wanted, [min(tried, key=lambda h: h.left)])
 
 
 def in_other_shapes(weighed: Weighed, judged: np.ndarray, about: Fit, seen: Screen, tried: Sequence[Hypothesis]) -> list[Hypothesis]:

@@ -10,7 +10,7 @@ from ..fitting.weighed import Weighed
 from .candidates import candidates
 from .exchange import exchange, twins
 from .hypothesis import Hypothesis, Start
-from .moves import at_both, beside, in_other_shapes, look, pairs_of
+from .moves import at_both, beside, from_elsewhere, in_other_shapes, look, pairs_of
 from .sensor_steps import staircases, with_stairs
 from .simpler import as_narrow, in_its_place, narrowed, without
 from .single_effects import single_starts
@@ -70,6 +70,8 @@ def search(
             break
         exchange(weighed, judged, state, everything, smaller)
     if state.best.left - state.floor < HOPELESS * (state.base.left - state.floor):
+        if len(state.best.effects) > 1:
+            state.tried += from_elsewhere(weighed, judged, alone, state.tried)
         twins(weighed, judged, state, everything)
         _simplify(weighed, judged, state)
     with_steps(weighed, judged, state, report)
