@@ -16,13 +16,12 @@ from hamr_dynamics.effects.library import library
 
 from ..naming.blocks import THROUGHOUT, better
 from ..naming.hypothesis import Hypothesis
-from ..naming.tried import FLOOR_ERROR, Search
+from ..naming.tried import FLOOR_ERROR, SMALL, Search
 
 SHARPNESS = 3.0  # log odds per factor e in what is left; twice that beyond `UNKNOWN`, where no right name should be
 FORM_ERROR = 0.0001  # of the gap: nothing is told apart below this
 ANOTHER_EFFECT = 4.5  # log odds against a second effect: it must leave less than a quarter
 ONE_MORE = 3.0  # log odds against each beyond the second
-SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
 ANOTHER_PLACE = 3.0  # log odds against each further joint of one effect
 FREER = 0.3  # log odds against a factor e in the number of sizes and shapes: they are judged where they were not fitted
 CONTAINS = 3.0  # log odds against a name that has another, simpler one as its special case

@@ -15,7 +15,7 @@ from .sensor_steps import staircases, with_stairs
 from .simpler import as_narrow, in_its_place, narrowed, without
 from .single_effects import single_starts
 from .sought import sought
-from .tried import Search, noise_floor
+from .tried import SMALL, Search, noise_floor
 
 NEEDED = 0.7  # of what one effect less leaves above the noise, that a larger set must leave at most
 LARGEST = 3  # effects at once
@@ -70,7 +70,7 @@ def search(
             break
         exchange(weighed, judged, state, everything, smaller)
     if state.best.left - state.floor < HOPELESS * (state.base.left - state.floor):
-        if len(state.best.effects) > 1:
+        if state.best_of(1).left - state.best.left > SMALL * (state.base.left - state.floor):
             state.tried += from_elsewhere(weighed, judged, alone, state.tried)
         twins(weighed, judged, state, everything)
         _simplify(weighed, judged, state)

@@ -18,6 +18,7 @@ EARNED = 1.01  # by how much each further parameter of a form must lower what is
 AS_WELL, RIVAL_FORMS = 1.03, 3  # times what one form leaves, that others may leave to do about as well, and how many with it
 RIVAL = 4.0  # times what more effects leave, that fewer may leave and be as probable
 ENOUGH = 0.001  # of the gap: nothing smaller is looked for
+SMALL = 0.02  # of the gap: as much as forms of one name differ by, so that what takes less away may be anything
 FAINT = 1.0  # squared units of noise of a reading: less than half a floor is not looked into further
 FLOOR_ERROR = 0.03  # of the estimate of what noise leaves
 
