@@ -7,7 +7,7 @@ from .dragged import dragged
 from .law import Effect, Form, Joint, Parameter, Push
 
 LEVEL = Parameter("level", "F", 0.05, 0.0, 10.0, "friction force while sliding")
-DAMPER = Parameter("damper", "F*T/Q", 0.03, 0.0, 10.0, "damping of the bristles, which acts while they yield and not while they slide")
+TIME = Parameter("time", "T", 0.02, 0.0, 10.0, "damping of the bristles over their stiffness; it acts while they yield", shape=True)
 SHARE = Parameter("share", "1", 0.05, 0.0, 1.0, "of the drive's force, by which it grows")
 SKEW = Parameter("skew", "1", 0.0, -1.0, 1.0, "share by which it is more while the coordinate grows, and less while it falls", shape=True,
                  screen=(0.0,))  # fmt: skip
@@ -74,12 +74,13 @@ def bristles(x: Joint, p, z, *, breakaway, limit):
     yielding = (1.0 - sharp) * maximum(1.0 - maximum(soft, -soft) / limit, 0.0) + sharp * held
     bending = (1.0 - sharp) * softly * p["distance"] + sharp * held  # share of a further rate that bends them
     bears, bore = (1.0 - sharp) * soft + sharp * hard, (1.0 - sharp) * z[0] + sharp * z[1]
-    force = breakaway * bears + p["damper"] * (bears - bore) * p["distance"] / x.step
-    return Push(-force, stiffness=breakaway * yielding / p["distance"], damping=p["damper"] * bending), (soft, hard)
+    stiffness = breakaway / p["distance"]
+    force = breakaway * (bears + p["time"] * (bears - bore) / x.step)
+    return Push(-force, stiffness=stiffness * yielding, damping=stiffness * p["time"] * bending), (soft, hard)
 
 
 def lugre(x: Joint, p, z):
-    """-level z - damper distance dz/dt of bristles that yield over a distance: gradually (LuGre) to all at once (Prandtl)."""
+    """-level (z + time dz/dt) of bristles that yield over a distance: gradually (LuGre) to all at once (Prandtl)."""
     return bristles(x, p, z, breakaway=p["level"], limit=1.0)
 
 
@@ -90,7 +91,7 @@ EFFECT = Effect(
     forms=(
         Form("sign", "force", sign, (LEVEL, WIDTH)),
         Form("presliding", "force", presliding, (LEVEL, DISTANCE), states=1),
-        Form("lugre", "force", lugre, (LEVEL, DAMPER, DISTANCE, SHARPNESS), states=2),
+        Form("lugre", "force", lugre, (LEVEL, TIME, DISTANCE, SHARPNESS), states=2),
         Form("asymmetric", "force", asymmetric, (LEVEL, SKEW, WIDTH)),
         Form("loaded", "force", loaded, (LEVEL, SHARE, WIDTH)),
     ),  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .coulomb_friction import DAMPER, DISTANCE, LEVEL, SHARE, SHARPNESS, WIDTH, bristles, sliding, under_load
+from .coulomb_friction import DISTANCE, LEVEL, SHARE, SHARPNESS, TIME, WIDTH, bristles, sliding, under_load
 from .law import Effect, Form, Joint, Parameter
 
 LITTLE = 1e-12  # of a force
@@ -24,7 +24,7 @@ def loaded(x: Joint, p, z):
 
 
 def lugre(x: Joint, p, z):
-    """As of coulomb_friction, -(level + excess) z - damper distance dz/dt, whose limit falls from 1 with the rate r, in speeds: by
+    """As of coulomb_friction, -(level + excess) (z + time dz/dt), whose limit falls from 1 with the rate r, in speeds: by
     (1 - tail) exp(-r^2) + tail / (1 + r^2)."""
     ratio = x.v / p["speed"]
     core = 1.0 / (1.0 + 0.25 * ratio * ratio)
@@ -47,7 +47,7 @@ EFFECT = Effect(
     forms=(
         Form("lorentzian", "force", lorentzian, (LEVEL, EXCESS, SPEED, WIDTH)),
         Form("loaded", "force", loaded, (LEVEL, SHARE, BOOST, SPEED, WIDTH)),
-        Form("lugre", "force", lugre, (LEVEL, EXCESS, DAMPER, SPEED, TAIL, DISTANCE, SHARPNESS), states=2),
+        Form("lugre", "force", lugre, (LEVEL, EXCESS, SPEED, TAIL, TIME, DISTANCE, SHARPNESS), states=2),
     ),  # fmt: skip
     experiment="slow breakaway ramps and constant speeds",
     source="Stribeck 1902; LuGre: Canudas de Wit et al. 1995; Olsson et al. 1998, Friction models and friction compensation",
