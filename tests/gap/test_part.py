@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from oscillator import oscillator
 
+from hamr_dynamics.effects.library import library
 from hamr_gap.answers.found import find
 from hamr_gap.judging.part import part_of
 
@@ -15,13 +16,20 @@ GAP = 1000.0
 FRICTION, STRIBECK, PLAY = "coulomb_friction", "stribeck_friction", "backlash"
 
 
+def leaving(left: float, *effects: SimpleNamespace, parameters: int = 2) -> SimpleNamespace:
+    """A hypothesis that leaves a share of the gap."""
+    names = frozenset(c.effect for c in effects)
+    return SimpleNamespace(effects=effects, names=names, left=1.0 + left * GAP, parameters=parameters)
+
+
+def effect(name: str, form: int = 0) -> SimpleNamespace:
+    return SimpleNamespace(effect=name, form=library()[name].forms[form].name)
+
+
 def tried(*sets: tuple[str, float]) -> SimpleNamespace:
     """A search that tried sets of effects at one joint, each with the share of the gap that it leaves."""
-    found = {}
-    for names, left in sets:
-        effects = tuple(SimpleNamespace(effect=name) for name in names.split())
-        found[names] = SimpleNamespace(effects=effects, left=1.0 + left * GAP)
-    return SimpleNamespace(by_names=lambda: found, floor=1.0, base=SimpleNamespace(left=1.0 + GAP))
+    found = {names: leaving(left, *map(effect, names.split())) for names, left in sets}
+    return SimpleNamespace(by_names=lambda: found, tried=list(found.values()), floor=1.0, base=SimpleNamespace(left=1.0 + GAP))
 
 
 @pytest.mark.parametrize(("sets", "part"), [
@@ -40,11 +48,22 @@ def tried(*sets: tuple[str, float]) -> SimpleNamespace:
 ])  # fmt: skip
 def test_a_part_is_in_all_sets_that_leave_little(sets, part, monkeypatch):
     def less(_, __, h, c):
-        return SimpleNamespace(effects=tuple(e for e in h.effects if e is not c))
+        return leaving(0.5, *(e for e in h.effects if e is not c))
 
     monkeypatch.setattr("hamr_gap.judging.part.without", less)
     found = part_of(None, None, tried(("drive_lag", 0.95), *sets))
     assert found is None if part is None else [c.effect for c in found.effects] == part.split()
+
+
+@pytest.mark.parametrize(("plain", "rich", "chosen"), [(0.2, 0.18, 0), (0.28, 0.18, 1), (0.18, 0.2, 0)])
+def test_a_part_is_said_in_the_plainest_form_that_does_about_as_well(plain, rich, chosen):
+    """Bristles that yield take up some of a spring that nobody knows, and slide at too much for it."""
+    forms = [leaving(left, effect(FRICTION, form)) for form, left in ((0, plain), (1, rich))]
+    state = tried(("drive_lag", 0.95))
+    best = min(forms, key=lambda h: h.left)
+    state.by_names = lambda: {FRICTION: best}
+    state.tried += forms
+    assert part_of(None, None, state) is forms[chosen]
 
 
 @pytest.fixture(scope="module")

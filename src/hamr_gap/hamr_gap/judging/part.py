@@ -36,7 +36,18 @@ def part_of(weighed: Weighed, judged: np.ndarray, state: Search) -> Hypothesis |
     kept = needed(part.effects, alike)
     for c in part.effects if kept else ():
         part = part if c in kept else without(weighed, judged, part, c)
-    return part if kept else None
+    return _plainest(part, state, floor) if kept else None
+
+
+def _plainest(part: Hypothesis, state: Search, floor: float) -> Hypothesis:
+    """The plainest form of the same names that leaves about as little: with what a richer one has besides it takes up what is unknown."""
+    alike = [h for h in (part, *state.tried) if h.names == part.names and h.left - floor <= NEEDED * (part.left - floor)]
+    return min(alike, key=lambda h: (h.parameters, sum(_place(c) for c in h.effects), h.left))
+
+
+def _place(c: Candidate) -> int:
+    """Of a form, among those of its effect: the plainest come first."""
+    return [form.name for form in library()[c.effect].forms].index(c.form)
 
 
 def needed(effects: Sequence[Candidate], alike: Sequence[Hypothesis]) -> list[Candidate]:
