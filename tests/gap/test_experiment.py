@@ -19,11 +19,12 @@ from hamr_gap.experiments.experiment import DECISIVE, TRIED_S, Proposal, propose
 from hamr_gap.fitting.parameters import Candidate, effect_parameters
 from hamr_gap.fitting.roles import CYCLE
 from hamr_gap.judging.analyse import analyse
+from hamr_gap.judging.told_apart import by_all
 from hamr_gap.judging.weigh import SHARPNESS, floor_of, least_told
 from hamr_gap.naming.hypothesis import Hypothesis, refine, residual, starts
 from hamr_gap.naming.prepare import Prepared, prepare
 from hamr_gap.naming.screen import screen
-from hamr_gap.naming.tried import Search
+from hamr_gap.naming.tried import FLOOR_ERROR, Search
 
 
 def friction(q: float, v: float) -> float:
@@ -121,6 +122,31 @@ def test_a_run_is_asked_for_if_a_refit_says_that_it_decides_throughout(proposed,
     found = propose(prepared, [[h] for h in fits], noise=1.0)
     assert max(proposal.odds.values()) > DECISIVE
     assert bool(found.signal) == asked_for
+
+
+def made(choice: experiment._Choice, left: float, seconds: float) -> float:
+    """Log odds that a run makes of which the wrong name leaves so much, and the re-tune what it leaves of the record."""
+    return choice._odds(experiment._Pair(None, (), Apart(choice._before, choice._before), Apart(0.0, left)), seconds)
+
+
+def test_what_a_run_shows_is_held_against_what_all_readings_can_tell(proposed):
+    """As much as nothing tells apart, of all that are fitted and judged, makes log 8: a factor of two in what is left, cubed."""
+    _, prepared, fits, _ = proposed
+    choice = experiment._Choice(prepared, [fits[:1], fits[1:]], 1.0, 0)
+    told = 2 * (prepared.judged.sum() + prepared.weighed.chosen.sum())  # the run is as long as the record
+    left = 2.0 * least_told(choice._before, told) * choice._before
+    assert made(choice, left, prepared.weighed.model.record.span) == pytest.approx(SHARPNESS * np.log(2.0), rel=1e-3)
+
+
+def test_what_the_right_name_leaves_within_the_error_of_the_noise_is_no_law_of_a_long_run(proposed):
+    """More readings have that error to share, and it is what the record left beyond it."""
+    _, prepared, fits, _ = proposed
+    least, seconds = min(by_all(prepared.weighed, prepared.judged, h).left for h in fits), 9.0 * prepared.weighed.model.record.span
+    none, little = (
+        made(experiment._Choice(prepared, [fits[:1], fits[1:]], (least - known) / (1.0 + FLOOR_ERROR), 0), 0.005, seconds)
+        for known in (0.0, 0.02)
+    )
+    assert little == pytest.approx(none, rel=0.02)
 
 
 def test_of_names_that_nothing_tells_apart_the_first_two_that_something_does_are_decided(proposed):

@@ -51,6 +51,14 @@ def test_what_the_fitted_readings_tell_apart_throughout_is_told_apart():
     assert after["unknown"] == pytest.approx(before["unknown"])
 
 
+def test_what_is_told_apart_is_told_once():
+    """As sure as readings held out make it that are as many as both together, however sure a part of them was already."""
+    _, after = map(shares, again(hypothesis((LAG,), 1.0, 1.0), hypothesis((DELAY,), 1.003, 1.003)))
+    state = Search(None, hypothesis((), 6.0, 6.0), None, HELD + FITTED, [hypothesis((LAG,), 1.0, 1.0), hypothesis((DELAY,), 1.003, 1.003)])
+    assert 0.7 < after["drive_lag"] < 0.95
+    assert after["drive_lag"] == pytest.approx(shares(weigh(state))["drive_lag"], abs=0.01)
+
+
 def test_what_a_law_misses_in_a_few_blocks_decides_nothing():
     few = np.where(np.arange(BLOCKS) < 2, 2.0, 1.0)
     before, after = map(shares, again(hypothesis((LAG,), 1.0, 1.0), hypothesis((DELAY,), 1.0, few)))

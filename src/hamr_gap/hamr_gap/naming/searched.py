@@ -24,8 +24,6 @@ from .search import search
 from .sensor_steps import staircases
 from .tried import FLOOR_ERROR, Search, noise_floor
 
-OTHERWISE = 3  # names of each number of effects that are fitted with the drive the other way between its samples
-
 
 def searched(machine: Machine, record: Record, report: Callable[[str], None]) -> tuple[Prepared, Search]:
     """What a record is explained with, and all that was tried.
@@ -67,7 +65,7 @@ def _mended(machine: Machine, record: Record, short: Prepared, state: Search) ->
     """The record in free runs, and the best of each number of effects as fitted in them, if one leaves less there."""
     try:
         whole = prepare(machine, record, whole=True)
-        again = refined(whole.weighed, whole.judged, _starts(_by_number(state.tried)))
+        again = refined(whole.weighed, whole.judged, _starts(_by_number(state)))
     except BagError:  # diverges
         return None
     if min((_left(whole, h)[0] for h in again), default=np.inf) >= _left(short, state.best)[0]:
@@ -87,23 +85,18 @@ def _otherwise(
         other = prepare(machine, record, whole=whole, held=not used.record.held)
         if len(other.weighed.model.pieces or ()) != len(used.pieces):
             return None
-        again = refined(other.weighed, other.judged, _starts(_by_number(state.tried, OTHERWISE)))
+        again = refined(other.weighed, other.judged, _starts(_by_number(state)))
     except BagError:  # diverges
         return None
-    both = (before, state.tried), (other, again)
-    here, there = ({len(h.effects): _left(prepared, h)[1] for h in _by_number(found)} for prepared, found in both)
+    both = (before, _by_number(state)), (other, again)
+    here, there = ({len(h.effects): _left(prepared, h)[1] for h in found if h.effects} for prepared, found in both)
     surely = (t for k in sorted(here.keys() & there.keys()) if abs(t := better(here[k], there[k])) > THROUGHOUT)
-    return (other, _starts(_by_number(again))) if next(surely, 0.0) > 0.0 else None
+    return (other, _starts(again)) if next(surely, 0.0) > 0.0 else None
 
 
-def _by_number(found: Iterable[Hypothesis], names: int = 1) -> list[Hypothesis]:
-    """The best of each number of effects: of so many sets of names the one that leaves least."""
-    best: dict[int, dict[frozenset, Hypothesis]] = {}
-    for h in sorted(found, key=lambda h: h.left):
-        of_size = best.setdefault(len(h.effects), {})
-        if len(of_size) < names:
-            of_size.setdefault(h.names, h)
-    return [h for of_size in best.values() for h in of_size.values()]
+def _by_number(state: Search) -> list[Hypothesis]:
+    """The best of each number of effects."""
+    return list({len(h.effects): h for h in sorted(state.tried, key=lambda h: -h.left)}.values())
 
 
 def _starts(found: Iterable[Hypothesis]) -> list[Start]:
