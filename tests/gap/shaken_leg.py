@@ -18,16 +18,17 @@ FRICTION = Candidate("coulomb_friction", "presliding", (0,))
 BESIDE = (Candidate("quadratic_damping", "square", (1,)), Candidate("drive_lag", "first_order", (1,)))
 
 
-def shaken(law: str, rows: dict[str, float], volts: tuple[float, float] = (9.0, 9.0)) -> Record:
-    """A leg with some rows of a law on, driven by noise to 40 Hz: 40 waves of some amplitude, V, in each joint."""
+def shaken(law: str, rows: dict[str, float], volts: tuple[float, float] = (9.0, 9.0), **beside: dict[str, float]) -> Record:
+    """A leg with some rows of a law on, and of others by name, driven by noise to 40 Hz: 40 waves of some amplitude, V, in each joint."""
     leg = machine_of("simple", "fl")
     n = int(SECONDS * 1e3 / STEP)
     random, time = np.random.default_rng(2), np.arange(n) * STEP * 1e-3
     waves = [(random.uniform(3.0, 40.0), random.uniform(0.0, 2 * np.pi, 2)) for _ in range(40)]
     drives = np.array(volts) * sum(np.sin(2 * np.pi * hz * time[:, None] + phase) for hz, phase in waves)
     row = leg.neutral(Scales(0.06, 0.1, 0.07, 60.0, 12e3))
-    for name, x in rows.items():
-        row[leg.parameter_rows.index(f"{law}.{name}")] = x
+    for each, own in {law: rows, **beside}.items():
+        for name, x in own.items():
+            row[leg.parameter_rows.index(f"{each}.{name}")] = x
     truth = machine_kernel.simulate(leg, np.repeat(drives, 5, axis=0), row[None], step=STEP / 5, substeps=1)[0][::5]
     readings = truth + NOISE * np.ptp(truth, axis=0) * random.standard_normal(truth.shape)
     return Record(drives, readings, STEP, leg.channels)

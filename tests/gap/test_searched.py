@@ -47,6 +47,17 @@ def test_where_no_gap_is_left_no_name_is_tried(plain, monkeypatch):
     assert state.base.left - state.floor < state.weighed.least
 
 
+@pytest.mark.parametrize("lag, several", [(0.0, False), (1.0, True)])
+def test_single_effects_are_fitted_from_elsewhere_where_two_seem_to_be_missing(monkeypatch, lag, several):
+    """Friction alone, and with a drive at the other joint that lags by a millisecond."""
+    asked = []
+    monkeypatch.setattr(search, "from_elsewhere", lambda *_: asked.append(True) or [])
+    beside = {"drive_lag.first_order": {"time.1": lag}}
+    state = searched(shaken("coulomb_friction.presliding", {"level.0": 4e-3, "distance.0": 0.005}, **beside), monkeypatch)
+    assert len(state.fewest.effects) == 1 + several
+    assert bool(asked) == several
+
+
 def test_what_a_record_without_a_gap_would_have_shown_needs_few_forms(plain):
     """As the picture of all forms says it."""
     prepared = prepare(LEG, plain)
