@@ -168,19 +168,20 @@ def test_what_was_found_is_said_to_hold_only_where_it_does(added, closed, said):
 def test_what_no_name_explains_surely_is_said_too(retuned, told):
     """A swinging arm left 195 times the noise, and was told that no effect was missing."""
     own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": retuned, "floor": 1.0}, "detectable": {}}
-    own |= {"tried": [{"effects": "drag", "count": 1, "left": 0.9}]}
+    own |= {"tried": [{"effects": "drag", "count": 1, "left": 0.9}], "notes": ["8 % of the samples were left out."]}
     found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "parameters": [], "refused": {}, "experiment": None}
     said = sentences(found)
     assert ("4.0 times the noise at arm" in said[0]) == told
     assert ("What comes nearest at arm: drag leaves 90 % of the gap." in said) == told
     assert (said[0] == HEADLINES["parameters_only"]) == (not told)
+    assert "arm: 8 % of the samples were left out." in said
 
 
 def test_which_parameters_a_retune_surely_changes_is_said():
     """A motor that is 43 % weaker than its data sheet says is news, or dry friction."""
     changed = [("damping", -0.095, -0.1, -0.07, "N*m*s/rad"), ("gain", -0.432, -0.478, -0.386, "1"), ("preload", -0.02, -0.05, 0.01, "N*m")]
     parameters = [dict(zip(("name", "value", "low", "high", "unit"), row, strict=True)) | {"joint": "arm"} for row in changed]
-    own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": 1.0, "floor": 1.0}, "detectable": {}, "tried": []}
+    own = {"verdict": "parameters_only", "added": [], "gap": {"retuned": 1.0, "floor": 1.0}, "detectable": {}, "tried": [], "notes": []}
     found = {"verdict": "parameters_only", "set": [], "machines": {"arm": own}, "refused": {}, "experiment": None}
     said = "A re-tune changes gain of arm by -43.2 (-47.8 to -38.6) %, damping of arm by -0.095 (-0.1 to -0.07) N*m*s/rad."
     assert sentences(found | {"parameters": parameters})[1] == said

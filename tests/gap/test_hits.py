@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from hamr_description.names import LEGS
 from hamr_description.numbers import value
-from hamr_gap.data.record import Record
+from hamr_gap.data.record import Record, joined
+from hamr_gap.judging.stated import poor
 from hamr_gap.legs import NEAR_STOP, SHAKEN_MS, clear_of_stops, machine_of
 
 CHANNELS = ("fl_swing", "fl_lift", "fl_swing_actuator", "fl_lift_actuator")
@@ -52,6 +55,17 @@ def test_frequent_hits_are_forgotten_sooner_rather_than_leave_little(every, ms):
 
 def test_every_reading_stays_where_nothing_hits():
     assert clear(clear_of_stops(record([]))).all()
+
+
+def test_what_was_left_out_is_said():
+    """A stop near the leg's own, which no other reading shows, would pass for no gap."""
+    hit, calm = clear_of_stops(record([3000.0], seconds=6.0)), clear_of_stops(record([], seconds=12.0))
+    assert hit.shaken == pytest.approx(0.08) and calm.shaken == 0.0
+    both = joined([hit, calm])
+    assert both.shaken == pytest.approx(0.08 / 3.0)
+    assert both.shaken == pytest.approx(np.isnan(both.readings).all(1).mean())
+    (note,) = poor(SimpleNamespace(stale=0.0, weighed=SimpleNamespace(model=SimpleNamespace(record=hit))))
+    assert note.startswith("8 % of the samples") and "not seen" in note
 
 
 @pytest.mark.parametrize("leg", LEGS)

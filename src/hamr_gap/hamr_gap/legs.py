@@ -66,7 +66,7 @@ def clear_of_stops(record: Record) -> Record:
     for ms, enough in SHAKEN_MS:
         clear = np.convolve(hit, np.ones(int(ms / record.step)))[: len(hit)] == 0
         if clear.mean() >= enough:
-            return replace(record, readings=np.where(clear[:, None], record.readings, np.nan))
+            return replace(record, readings=np.where(clear[:, None], record.readings, np.nan), shaken=float(1.0 - clear.mean()))
     return record
 
 

@@ -29,6 +29,7 @@ class Record:
         breaks: indices at which a new stretch begins, recorded at another time.
         uneven: of a step, the most that one of those measured was longer or shorter, where these samples lie between the measured ones.
         rounding: (channels,) standard deviation of the rounding of these measured ones, which samples between them hide.
+        shaken: share of the samples that were left out, NaN, for an end stop had been hit just before.
     """
 
     drives: np.ndarray
@@ -42,6 +43,7 @@ class Record:
     breaks: tuple[int, ...] = ()
     uneven: float = 0.0
     rounding: tuple[float, ...] = ()
+    shaken: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.drives) != len(self.readings) * self.drives_per_reading:
@@ -105,4 +107,5 @@ def joined(records: Sequence[Record]) -> Record:
         first, drives=np.concatenate([r.drives for r in records]), readings=np.concatenate([r.readings for r in records]),
         rest=all(r.rest for r in records), breaks=breaks, uneven=max(r.uneven for r in records),
         rounding=tuple(max(each) for each in zip(*(r.rounding for r in records if r.rounding), strict=True)),
+        shaken=float(np.average([r.shaken for r in records], weights=[len(r) for r in records])),
     )  # fmt: skip

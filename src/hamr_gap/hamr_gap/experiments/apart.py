@@ -59,7 +59,7 @@ def shapes(model: Model, seconds: float, seed: int = 0, names: Sequence[str] = S
 def asked(record: Record, drives: np.ndarray) -> Record:
     """A run from rest of the same machine under drives (n, joints); its readings, which nobody knows yet, are zero."""
     readings = np.zeros((len(drives) // record.drives_per_reading, len(record.channels)))
-    return replace(record, drives=drives, readings=readings, rest=True, breaks=(), uneven=0.0)
+    return replace(record, drives=drives, readings=readings, rest=True, breaks=(), uneven=0.0, shaken=0.0)
 
 
 def after(prepared: Prepared, run: Record) -> Weighed:

@@ -72,10 +72,12 @@ def _gap_of(prepared: Prepared, best: Hypothesis) -> Gap:
 
 def poor(prepared: Prepared) -> list[str]:
     """What is poor about the data."""
-    stale, uneven = 100 * prepared.stale, 100 * prepared.weighed.model.record.uneven
+    record = prepared.weighed.model.record
+    stale, uneven, shaken = (100 * share for share in (prepared.stale, record.uneven, record.shaken))
     said = {
         f"{stale:.2g} % of the samples repeat the one before in every sensor and were left out.": stale,
         f"Measured at times uneven by up to {uneven:.2g} % of a step: what was used are curves through the samples, at even ones.": uneven,
+        f"{shaken:.2g} % of the samples, just after an actuator met its end stop, were left out: what acts only then is not seen.": shaken,
     }
     return [sentence for sentence, much in said.items() if much]
 
@@ -94,4 +96,4 @@ def at_bounds(prepared: Prepared) -> list[str]:
         if f.row.startswith("change.") and x <= f.low:
             _, name, joint = f.row.split(".")
             least.append(f"{name} of {machine.joints[int(joint)]}")
-    return [f"Re-tuned without what is missing, the model would have as little as it may of: {', '.join(least)}."] if least else []
+    return [f"Re-tuned alone, the model would have as little as it may of: {', '.join(least)}."] if least else []

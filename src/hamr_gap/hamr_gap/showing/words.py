@@ -54,6 +54,7 @@ def sentences(found: Mapping) -> list[str]:
             said.append(f"{gone}; taken out again, it is {over['removed']:.2f}.")
     if not found["set"]:
         said += [f"{name} would have shown {some}." for name, v in found["machines"].items() if (some := _smallest(v["detectable"]))]
+        said += [f"{name}: {note}" for name, v in found["machines"].items() for note in v["notes"]]
     said += [f"{name}: {why}" for name, why in found["refused"].items()]
     for name, experiment in (found["experiment"] or {}).items():
         said.append(f"What would decide about {name}: {experiment['sentence']}")
