@@ -38,6 +38,8 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "exchange": ((search, "exchange", lambda *_: None),),
     "twins": ((search, "twins", lambda *_: None),),
     "fewer": ((search, "narrowed", lambda *_: []), (search, "in_its_place", lambda *_: [])),
+    "elsewhere": ((search, "from_elsewhere", lambda *_: []),),
+    "told_apart": ((analyse, "told_apart", lambda *of: list(of[-1])),),
     "forms": ((single_effects, "ALL_FORMS", 0),),
     "doubt": ((weighed.Weighed, "doubt", lambda *_: 1.0),),
     "led": ((search, "BETTER", 0.0),),
