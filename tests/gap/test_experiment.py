@@ -21,7 +21,7 @@ from hamr_gap.fitting.roles import CYCLE
 from hamr_gap.judging.analyse import analyse
 from hamr_gap.judging.told_apart import by_all
 from hamr_gap.judging.weigh import SHARPNESS, floor_of, least_told
-from hamr_gap.naming.hypothesis import Hypothesis, refine, residual, starts
+from hamr_gap.naming.hypothesis import BLOCKS, Hypothesis, refine, residual, starts
 from hamr_gap.naming.prepare import Prepared, prepare
 from hamr_gap.naming.screen import screen
 from hamr_gap.naming.tried import FLOOR_ERROR, Search
@@ -225,6 +225,8 @@ def test_a_run_is_foreseen_on_the_readings_that_its_verdict_will_judge(proposed)
     assert follower.refitted(follower.run + shown * judged).run == pytest.approx(1.0, abs=1e-3)
     assert follower.refitted(follower.run + weighed.sigma * held_out).run == pytest.approx(share, abs=1e-3)  # no bias follows it
     assert follower.refitted(follower.run + shown * ~judged).run < 1e-6
+    half = judged & (np.cumsum(judged[:, :1], axis=0) < 0.5 * judged.sum())  # of as many blocks as names are told apart by
+    assert follower.refitted(follower.run + shown * half).throughout == pytest.approx(np.sqrt(2 * BLOCKS - 1), rel=0.1)
     assert Follower(weighed, own, fits[0]).refitted(follower.run + shown * ~judged).run > 0.1
 
 

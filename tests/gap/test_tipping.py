@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -51,6 +52,8 @@ def test_starts_part_as_fast_as_a_linear_machine_says(stiffness, moved):
     apart = [np.sqrt(np.mean(moved(t) ** 2, axis=0)) for t in (begun, whole - begun)]
     about = InitialStates.about(model, model.rows((), np.zeros(0))[0], np.ones(1))
     assert about.growth[:, 0] == pytest.approx(apart[1] / apart[0], rel=0.02)
+    with warnings.catch_warnings(action="error"):  # a run that diverges stays so, and nobody is warned
+        assert not np.isfinite(about.beside(np.full_like(model.target, np.inf))).all()
 
 
 @pytest.mark.parametrize("seed", [0, 1])

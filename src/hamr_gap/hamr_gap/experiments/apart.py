@@ -144,5 +144,6 @@ class Follower:
         square[told] = left**2
         record, run = square[: self._own], square[self._own :]
         means = [float(np.nanmean(part)) if np.isfinite(part).any() else 0.0 for part in (record, run)]
-        blocks = [part[np.isfinite(part)] for part in np.array_split(square[told.any(1)], 2 * BLOCKS)]
+        both = 2 * BLOCKS  # as many of the readings held out as of the fitted ones
+        blocks = [part[np.isfinite(part)] for part in np.array_split(square[told.any(1)], both)]
         return Apart(*means, throughout=foreseen(*zip(*[(block.mean(), block.size) for block in blocks if block.size], strict=True)))

@@ -51,11 +51,11 @@ class InitialStates:
     def beside(self, y: np.ndarray) -> np.ndarray:
         """Readings or differences of them, (..., n, channels), less what other initial states make of them; n may end early."""
         left = np.where(self.known[: y.shape[-2]], y, 0.0) / self.sigma
-        for first, stop, basis in self.parts:
-            if stop <= y.shape[-2]:
-                part = left[..., first:stop, :]
-                flat = part.reshape(*y.shape[:-2], len(basis))
-                with np.errstate(invalid="ignore"):  # a run that diverges is not finite, and stays so
+        with np.errstate(invalid="ignore"):  # a run that diverges is not finite, and stays so
+            for first, stop, basis in self.parts:
+                if stop <= y.shape[-2]:
+                    part = left[..., first:stop, :]
+                    flat = part.reshape(*y.shape[:-2], len(basis))
                     left[..., first:stop, :] = (flat - (flat @ basis) @ basis.T).reshape(part.shape)
         return np.where(self.known[: y.shape[-2]], left * self.sigma, y)
 

@@ -15,7 +15,7 @@ from ..fitting.weighed import Weighed
 from ..naming.blocks import THROUGHOUT, better
 from ..naming.hypothesis import Hypothesis, left_of
 from ..naming.tried import Search
-from .weigh import Weight, credible, floor_of, least_told, log_odds
+from .weigh import Weight, credible, log_odds, scale_of
 
 
 def told_apart(weighed: Weighed, judged: np.ndarray, state: Search, weights: Sequence[Weight]) -> list[Weight]:
@@ -35,7 +35,10 @@ def told_apart(weighed: Weighed, judged: np.ndarray, state: Search, weights: Seq
     found = every.by_names()
     named = [found[w.hypothesis.names] for w in chosen]
     best = min(named, key=lambda h: h.left)
-    held_out, by_every = _against_best([w.left for w in chosen], state), _against_best(_shares(named, every), every)
+    _, _, least = scale_of(state, state.by_names().values())
+    floor, gap, least_of_all = scale_of(every, found.values())
+    held_out = _against_best([w.left for w in chosen], least)
+    by_every = _against_best([max(h.left - floor, 0.0) / gap for h in named], least_of_all)
     counts = [h is best or better(h.blocks, best.blocks) >= THROUGHOUT for h in named]
     p = np.array([w.probability for w in chosen])
     told = p * np.exp(np.where(counts, by_every - held_out, 0.0))
@@ -53,14 +56,7 @@ def by_all(weighed: Weighed, judged: np.ndarray, h: Hypothesis) -> Hypothesis:
     return replace(h, left=together, blocks=np.concatenate([h.blocks, unseen * blocks]))
 
 
-def _shares(named: Sequence[Hypothesis], state: Search) -> list[float]:
-    """Of the gap, that each leaves."""
-    floor = floor_of(state.floor, state.by_names().values())
-    return [max(h.left - floor, 0.0) / max(state.base.left - floor, 1e-12) for h in named]
-
-
-def _against_best(left: Sequence[float], state: Search) -> np.ndarray:
+def _against_best(left: Sequence[float], least: float) -> np.ndarray:
     """Log odds of shares of the gap against the least of them."""
-    gap = max(state.base.left - floor_of(state.floor, state.by_names().values()), 1e-12)
-    odds = np.array([log_odds(share, least_told(gap, state.count)) for share in left])
+    odds = np.array([log_odds(share, least) for share in left])
     return odds - odds.max()

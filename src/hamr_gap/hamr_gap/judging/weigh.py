@@ -49,9 +49,7 @@ def weigh(state: Search, nothing: float = 0.0) -> list[Weight]:
     found: list[tuple[Hypothesis | None, float, float]] = []
     best = state.by_names()
     nearest = min(best.values(), key=lambda h: h.left, default=None)
-    floor = floor_of(state.floor, best.values())
-    gap = max(state.base.left - floor, 1e-12)
-    least = least_told(gap, state.count)
+    floor, gap, least = scale_of(state, best.values())
     for names, h in best.items():
         if any(better(best[few].blocks, h.blocks) < THROUGHOUT for few in best if few < names or _special(few, names)):
             continue
@@ -81,6 +79,17 @@ def log_odds(left: float, least: float) -> float:
     """For a name that leaves a share of the gap, whatever it costs; less than `least` tells nothing."""
     beyond = max(0.0, np.log((left + least) / (UNKNOWN + least)))
     return -SHARPNESS * (np.log(left + least) + beyond)
+
+
+def scale_of(state: Search, best: Iterable[Hypothesis]) -> tuple[float, float, float]:
+    """Mean square that noise is taken to leave, the gap above it, and the share of that below which nothing is told apart.
+
+    Args:
+        best: the best of all names tried.
+    """
+    floor = floor_of(state.floor, best)
+    gap = max(state.base.left - floor, 1e-12)
+    return floor, gap, least_told(gap, state.count)
 
 
 def floor_of(noise: float, best: Iterable[Hypothesis]) -> float:
